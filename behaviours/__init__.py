@@ -1,0 +1,1 @@
+"""Behaviours, their coordination, and the safety layer below them."""

@@ -1,0 +1,43 @@
+"""Errors that reach the user: each is one line that says what is wrong and what to do."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class SkiError(Exception):
+    """Base of every error that `ski` raises on purpose; its text is one line for the user."""
+
+
+class MissionError(SkiError):
+    """A mission, world, robot, component or parameter is wrong: refused before anything runs."""
+
+
+class MessageError(SkiError):
+    """A value is not fit for its key: refused where it was posted or decoded."""
+
+
+class BoardError(SkiError):
+    """The board was used in a way that it cannot honour (an undeclared key, an unknown entry, a stamp that runs back)."""
+
+
+class RecordingError(SkiError):
+    """A recording cannot be read, or holds nothing that can be used."""
+
+
+class OutputError(SkiError):
+    """Results cannot be written where they were asked for."""
+
+
+class ComponentFailed(SkiError):
+    """A component raised while running under `--strict`."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return `; did you mean 'x'?` with the name nearest to `name`, or what there is when nothing is near."""
+    names = sorted(known)
+    near = get_close_matches(name, names, n=1, cutoff=0.6)
+    if near:
+        return f"; did you mean '{near[0]}'?"
+    if names and len(names) <= 12:
+        return f"; known: {', '.join(names)}"
+    return ""

@@ -1,0 +1,92 @@
+"""Every kind of entry, once: its place on the board and the type of its values.
+
+A kind's path is `panel/level/name` on the two panels that have levels (observations, hypotheses) and `panel/name` on the
+others. On the wire its key is `ski/<robot>/<path>` for a slot and `ski/<robot>/<path>/<id>` for a member of a collection.
+"""
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from blackboard.errors import BoardError
+from blackboard.key_expressions import is_chunk
+from blackboard.messages import control, motion, sensing, world
+from blackboard.messages.base import Message
+from blackboard.messages.geometry import Pose
+
+PANELS = ("observations", "hypotheses", "motivations", "status", "commands", "control")
+LEVELS = ("signal", "feature", "symbol")
+LEVELLED_PANELS = ("observations", "hypotheses")
+
+M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True, eq=False)
+class Kind(Generic[M]):
+    """A declared place on the board: `path`, the `type` of its values, one slot or a collection.
+
+    `shared` collections may have several posters, each owning its ids. What is not `recorded` (measured times) stays out of
+    `board.jsonl`, since it differs from run to run. Raises BoardError where the path is not of the form above.
+    """
+
+    path: str
+    type: type[M]
+    doc: str
+    collection: bool = False
+    shared: bool = False
+    recorded: bool = True
+
+    def __post_init__(self) -> None:
+        chunks = self.path.split("/")
+        if chunks[0] not in PANELS:
+            raise BoardError(f"kind '{self.path}': the panel '{chunks[0]}' is none of {', '.join(PANELS)}")
+        levelled = chunks[0] in LEVELLED_PANELS
+        if len(chunks) != (3 if levelled else 2) or (levelled and chunks[1] not in LEVELS):
+            form = f"{chunks[0]}/<{'|'.join(LEVELS)}>/<name>" if levelled else f"{chunks[0]}/<name>"
+            raise BoardError(f"kind '{self.path}': the path must be of the form {form}")
+        if not all(is_chunk(chunk) for chunk in chunks):
+            raise BoardError(f"kind '{self.path}': a part may hold letters, digits, '_', '-' and '.' only")
+
+    @property
+    def panel(self) -> str:
+        return self.path.split("/")[0]
+
+    @property
+    def level(self) -> str | None:
+        return self.path.split("/")[1] if self.panel in LEVELLED_PANELS else None
+
+    @property
+    def name(self) -> str:
+        return self.path.rsplit("/", 1)[1]
+
+
+def slot(path: str, type_: type[M], doc: str, *, recorded: bool = True) -> Kind[M]:
+    """Declare a kind with a single entry, such as the newest scan."""
+    return Kind(path, type_, doc, recorded=recorded)
+
+
+def collection(path: str, type_: type[M], doc: str, *, shared: bool = False, recorded: bool = True) -> Kind[M]:
+    """Declare a kind with one entry for each id, such as lines."""
+    return Kind(path, type_, doc, collection=True, shared=shared, recorded=recorded)
+
+
+# fmt: off
+SONAR_SCAN = slot("observations/signal/sonar_scan", sensing.SonarScan, "echoes of a sonar ring")
+LASER_SCAN = slot("observations/signal/laser_scan", sensing.LaserScan, "one sweep of a laser")
+ODOMETRY = slot("observations/signal/odometry", sensing.Odometry, "what the wheels say")
+BUMPER = slot("observations/signal/bumper", sensing.Bumper, "what the bumper touches")
+BATTERY = slot("observations/signal/battery", sensing.Battery, "charge left")
+ODOM_FROM_ROBOT = slot("observations/feature/odom_from_robot", Pose, "the robot in the odometry frame: smooth, drifts")
+SUPPORTED_POINTS = slot("observations/feature/supported_points", world.PointSet, "a batch of readings that the grid bears out")
+LINE = collection("observations/feature/line", world.Line, "a line seen in one batch of points, id <batch>-<number>")
+MAP_FROM_ODOM = slot("hypotheses/feature/map_from_odom", Pose, "the odometry frame in the map: moved by re-references only")
+GRID = collection("hypotheses/feature/grid", world.GridTile, "the empty-occupied-unknown grid by tiles, id <column>_<row>")
+ROBOT = slot("status/robot", sensing.RobotDescription, "body and sensors of the robot")
+COMPONENT = collection("status/component", control.ComponentStatus, "whether a component works", shared=True)
+BEHAVIOUR = collection("status/behaviour", motion.BehaviourStatus, "where a behaviour stands", shared=True)
+RESPONSE = collection("commands/response", motion.Response, "a behaviour's answer to the newest readings", shared=True)
+VELOCITY = slot("commands/velocity", motion.Velocity, "what the coordinator wants")
+DRIVE = slot("commands/drive", motion.Drive, "what goes to the wheels")
+AGENDA = slot("control/agenda", control.Agenda, "activation records that wait")
+ACTIVATION = collection("control/activation", control.Activation, "the newest activation of each knowledge source")
+ACTIVATION_TIME = collection("control/activation_time", control.ActivationTime, "measured times", recorded=False)
+# fmt: on

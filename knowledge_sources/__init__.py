@@ -1,0 +1,1 @@
+"""Knowledge sources: each turns what stands on the board into knowledge of a higher level."""
