@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from blackboard.errors import MissionError, did_you_mean
@@ -16,10 +17,11 @@ def require(holds: bool, name: str, value: object, limit: str) -> None:
         raise MissionError(f"{name} = {value!r} is outside {limit}")
 
 
-def parse_parameters(type_: type[P], table: Mapping[str, Any], where: str) -> P:
+def parse_parameters(type_: type[P], table: Mapping[str, Any], where: str, base: Path | None = None) -> P:
     """Build the parameters dataclass `type_` from a TOML table; `where` names file and table in errors.
 
-    An angle `x_rad` may be written `x_deg`, and a rate `x_radps` as `x_degps`. Raises MissionError for an unknown key (with the
+    An angle `x_rad` may be written `x_deg`, and a rate `x_radps` as `x_degps`. A field of type Path holds either a bare name of
+    something shipped ("lab") or a file, found relative to the folder `base`. Raises MissionError for an unknown key (with the
     nearest name), a wrong type, a value given twice, or one that the dataclass refuses.
     """
     fields = {f.name: f for f in dataclasses.fields(type_) if f.init}  # type: ignore[arg-type]
@@ -34,7 +36,7 @@ def parse_parameters(type_: type[P], table: Mapping[str, Any], where: str) -> P:
             raise MissionError(f"{where}: unknown key '{key}'{did_you_mean(key, [*fields, *known])}")
         if name in values:
             raise MissionError(f"{where}: '{name}' is given twice (in degrees and in radians); keep one")
-        values[name] = _convert(value, hints[name], f"{where}: {key}")
+        values[name] = _convert(value, hints[name], f"{where}: {key}", base)
     missing = [n for n, f in fields.items() if n not in values and _required(f)]
     if missing:
         raise MissionError(f"{where}: '{missing[0]}' is missing; add it")
@@ -59,14 +61,18 @@ def _from_degrees(key: str, raw: Any) -> tuple[str, Any]:
     return key, raw
 
 
-def _convert(value: Any, hint: Any, where: str) -> Any:
+def _convert(value: Any, hint: Any, where: str, base: Path | None) -> Any:
+    if Path in (get_args(hint) or (hint,)) and isinstance(value, str):
+        path = Path(value)
+        bare = len(path.parts) == 1 and not path.suffix
+        return path if bare or base is None else base / path
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     if get_origin(hint) is tuple:
         item = get_args(hint)[0]
         if not isinstance(value, list):
             raise MissionError(f"{where} = {value!r} must be a list")
-        return tuple(_convert(v, item, where) for v in value)
+        return tuple(_convert(v, item, where, base) for v in value)
     options = [o for o in (get_args(hint) or (hint,)) if isinstance(o, type)]
     if float in options and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)

@@ -1,0 +1,175 @@
+"""What a component is: robots, knowledge sources, behaviours, coordinators.
+
+A component declares what it reads and posts, holds its parameters, and is called; it never blocks, sleeps, starts threads or
+reads a clock. Each class names its parameters dataclass in `Params`.
+"""
+
+import zlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+
+from blackboard.entry import Entry
+from blackboard.kinds import Kind
+from blackboard.messages.base import Message
+from blackboard.messages.geometry import Pose
+from blackboard.messages.motion import Drive, Response, Velocity
+from blackboard.messages.sensing import RobotDescription
+
+if TYPE_CHECKING:
+    from blackboard.access import Access
+
+P = TypeVar("P")
+M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True)
+class NoParams:
+    """For components that have nothing to set."""
+
+
+class Component(Generic[P]):
+    """Base of all components: a name, parameters, and random numbers of its own.
+
+    `rng` is seeded from the run's seed and the component's name, so adding a component changes nobody else's numbers.
+    """
+
+    Params: ClassVar[type[Any]] = NoParams
+
+    def __init__(self, params: P, *, name: str, seed: int = 0) -> None:
+        self.params = params
+        self.name = name
+        self.rng = np.random.default_rng([seed, zlib.crc32(name.encode())])
+
+
+@dataclass(frozen=True)
+class Trigger(Generic[M]):
+    """When a knowledge source wakes: a kind, and a condition on what is posted there.
+
+    It fires once `every` units have come since it last fired (one unit an entry, or what `count` says of its value), when
+    `min_interval_s` has passed since then on the mission's clock, and when `when` holds for the newest entry.
+    """
+
+    kind: Kind[M]
+    every: int = 1
+    count: Callable[[M], int] | None = None
+    min_interval_s: float = 0.0
+    when: Callable[[Entry[M]], bool] | None = None
+
+    @property
+    def conditional(self) -> bool:
+        """Say whether something other than the entry itself decides: only such triggers can let a cycle come to rest."""
+        return self.every > 1 or self.min_interval_s > 0 or self.when is not None
+
+
+class KnowledgeSource(Component[P], ABC):
+    """Turns what stands on the board into knowledge: woken by its triggers, it reads, calls its pure core, and posts."""
+
+    triggers: Sequence[Trigger[Any] | Kind[Any]] = ()  # a bare kind means every entry of it; may be set in __init__
+    reads: Sequence[Kind[Any]] = ()  # beside the triggers' kinds
+    posts: Sequence[Kind[Any]] = ()
+    rating: float = 0.0  # the higher goes first
+    work: int = 1  # units of a cycle's budget that one activation costs
+
+    @abstractmethod
+    def activate(self, trigger: Entry[Any], board: "Access") -> None:
+        """Answer one trigger; `board` reads and posts in this source's name."""
+
+    def finish(self, board: "Access") -> None:  # noqa: B027 - optional
+        """Post what is still held back, at the end of a run."""
+
+
+class Behaviour(Component[P], ABC):
+    """Answers the newest readings with a response, every control cycle."""
+
+    reads: Sequence[Kind[Any]] = ()
+
+    @abstractmethod
+    def respond(self, board: "Access") -> Response | None:
+        """Return the response to the newest readings; None: nothing to say. What is read becomes the response's supports."""
+
+    def done(self) -> bool:
+        """Say whether the behaviour has reached its end and will not answer again unless selected anew."""
+        return False
+
+
+class Coordinator(Component[P], ABC):
+    """Turns the behaviours' responses into one wanted velocity."""
+
+    @abstractmethod
+    def combine(self, responses: Mapping[str, Response], robot: RobotDescription, now_s: float) -> Velocity:
+        """Return the wanted velocity. `responses` holds those that are neither silent nor inhibited, by behaviour."""
+
+
+class SafetyLayer(Component[P], ABC):
+    """Stands between every wanted velocity and the wheels; no mission can leave it out."""
+
+    reads: Sequence[Kind[Any]] = ()
+
+    @abstractmethod
+    def limit(self, wanted: Velocity | None, board: "Access") -> Drive:
+        """Return what may go to the wheels; `wanted` is None when nobody commands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading(Generic[M]):
+    """One thing that a robot's sensors said, taken at `stamp_s`."""
+
+    kind: Kind[M]
+    stamp_s: float
+    value: M
+
+
+
+
+@dataclass(frozen=True)
+class WorldTruth:
+    """What a simulated world really is: `solid` is the shapely geometry of all that stands still and is no floor, `floor` that
+    of the floor which lies inside the world (solid things not taken out). Map frame, metres.
+    """
+
+    solid: Any
+    floor: Any
+
+
+class Robot(Component[P], ABC):
+    """Where readings come from and commands go: a simulated robot, a recording, or a real one."""
+
+    provides: Sequence[Kind[Any]] = ()  # kinds of its readings
+
+    @property
+    @abstractmethod
+    def description(self) -> RobotDescription:
+        """Body and sensors; known from construction on."""
+
+    @property
+    def end_s(self) -> float | None:
+        """The stamp at which nothing more comes (the end of a recording); None: it goes on for ever."""
+        return None
+
+    @property
+    def moves(self) -> bool:
+        """Say whether it obeys commands; a recording does not."""
+        return True
+
+    @abstractmethod
+    def advance(self, until_s: float) -> Iterator[Reading[Any]]:
+        """Let time pass until `until_s` and yield the readings that came meanwhile, stamps never running back within a kind."""
+
+    def drive(self, command: Drive) -> None:  # noqa: B027 - recordings have no wheels
+        """Take what goes to the wheels from now on."""
+
+    def true_pose(self) -> Pose | None:
+        """Return where the robot really is, map frame, for scores; None where nobody knows. No component may ask."""
+        return None
+
+    def truth(self) -> WorldTruth | None:
+        """Return the world as it is, for scores; None where nobody knows."""
+        return None
+
+    def summary(self) -> dict[str, float | int | str]:
+        """Return figures for the table at the end of a run (distance driven, collisions, lines skipped, ...)."""
+        return {}
