@@ -78,7 +78,7 @@ class KnowledgeSource(Component[P], ABC):
     def activate(self, trigger: Entry[Any], board: "Access") -> None:
         """Answer one trigger; `board` reads and posts in this source's name."""
 
-    def finish(self, board: "Access") -> None:  # noqa: B027 - optional
+    def finish(self, board: "Access") -> None:
         """Post what is still held back, at the end of a run."""
 
 
@@ -123,8 +123,6 @@ class Reading(Generic[M]):
     value: M
 
 
-
-
 @dataclass(frozen=True)
 class WorldTruth:
     """What a simulated world really is: `solid` is the shapely geometry of all that stands still and is no floor, `floor` that
@@ -159,7 +157,7 @@ class Robot(Component[P], ABC):
     def advance(self, until_s: float) -> Iterator[Reading[Any]]:
         """Let time pass until `until_s` and yield the readings that came meanwhile, stamps never running back within a kind."""
 
-    def drive(self, command: Drive) -> None:  # noqa: B027 - recordings have no wheels
+    def drive(self, command: Drive) -> None:
         """Take what goes to the wheels from now on."""
 
     def true_pose(self) -> Pose | None:

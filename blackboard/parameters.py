@@ -76,7 +76,7 @@ def _convert(value: Any, hint: Any, where: str, base: Path | None) -> Any:
     options = [o for o in (get_args(hint) or (hint,)) if isinstance(o, type)]
     if float in options and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
-    if isinstance(value, bool) and bool not in options or not isinstance(value, tuple(options)):
+    if (isinstance(value, bool) and bool not in options) or not isinstance(value, tuple(options)):
         if str in map(type, get_args(hint)):  # Literal of strings
             if value in get_args(hint):
                 return value

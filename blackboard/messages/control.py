@@ -9,7 +9,7 @@ from blackboard.messages.base import Count, Duration, Message, Name, Text
 Rating = Annotated[float, Meta(ge=-1e6, le=1e6)]
 
 
-class Waiting(Message, kw_only=True):
+class Waiting(Message, frozen=True, kw_only=True):
     """The activation records of one knowledge source that wait on the agenda."""
 
     source: Name
@@ -18,14 +18,14 @@ class Waiting(Message, kw_only=True):
     trigger_key: Name
 
 
-class Agenda(Message, kw_only=True):
+class Agenda(Message, frozen=True, kw_only=True):
     """What waits at the end of a cycle, highest rating first; `dropped` counts records lost to a full agenda since the start."""
 
     waiting: Annotated[tuple[Waiting, ...], Meta(max_length=1000)]
     dropped: Count = 0
 
 
-class Activation(Message, kw_only=True):
+class Activation(Message, frozen=True, kw_only=True):
     """A knowledge source activation record (KSAR) that has run."""
 
     source: Name
@@ -36,7 +36,7 @@ class Activation(Message, kw_only=True):
     outcome: Literal["done", "failed"]
 
 
-class ActivationTime(Message, kw_only=True):
+class ActivationTime(Message, frozen=True, kw_only=True):
     """Measured time of a knowledge source: differs from run to run, so it is kept out of recordings."""
 
     activations: Count
@@ -44,7 +44,7 @@ class ActivationTime(Message, kw_only=True):
     longest_s: Duration
 
 
-class ComponentStatus(Message, kw_only=True):
+class ComponentStatus(Message, frozen=True, kw_only=True):
     """Whether a component works; a failed one is shown with what it was working on."""
 
     state: Literal["running", "failed"]

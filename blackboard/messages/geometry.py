@@ -20,7 +20,7 @@ def wrap_angle(angle_rad: float) -> float:
     return pi if wrapped == -pi else wrapped
 
 
-class Point(Message, kw_only=True):
+class Point(Message, frozen=True, kw_only=True):
     """A place; the frame is that of the message it stands in."""
 
     x_m: Metres
@@ -30,7 +30,7 @@ class Point(Message, kw_only=True):
         return (self.x_m, self.y_m, self.x_m, self.y_m)
 
 
-class Pose(Message, kw_only=True):
+class Pose(Message, frozen=True, kw_only=True):
     """A frame seen from another: `a_from_b` takes coordinates in b to coordinates in a. Heading counter-clockwise from x."""
 
     x_m: Metres
@@ -79,7 +79,7 @@ def interpolate(a: Pose, b: Pose, fraction: float) -> Pose:
     )
 
 
-class PackedArray(Message, kw_only=True):
+class PackedArray(Message, frozen=True, kw_only=True):
     """An array in a JSON message: shape and type in the open, the numbers compressed (zlib) and in base64, C order."""
 
     shape: Annotated[tuple[Annotated[int, Meta(ge=0, le=1_000_000)], ...], Meta(max_length=4)]

@@ -7,7 +7,7 @@ from msgspec import Meta
 from blackboard.messages.base import Length, Message, Seconds, Speed, Text, TurnRate
 
 
-class Response(Message, kw_only=True):
+class Response(Message, frozen=True, kw_only=True):
     """A behaviour's answer to the newest readings: a vector in the robot frame and a turn on the spot.
 
     The vector (forward, left) is dimensionless; length 1 asks for full speed in that direction. `turn_radps` is added to
@@ -19,7 +19,7 @@ class Response(Message, kw_only=True):
     turn_radps: TurnRate = 0.0
 
 
-class Velocity(Message, kw_only=True):
+class Velocity(Message, frozen=True, kw_only=True):
     """Speeds that the coordinator wants, good until `valid_until_s`."""
 
     forward_mps: Speed
@@ -27,7 +27,7 @@ class Velocity(Message, kw_only=True):
     valid_until_s: Seconds
 
 
-class Drive(Message, kw_only=True):
+class Drive(Message, frozen=True, kw_only=True):
     """Speeds that go to the wheels, after the safety layer, and why they are not those that were wanted."""
 
     forward_mps: Speed
@@ -36,10 +36,8 @@ class Drive(Message, kw_only=True):
     clearance_m: Length | None = None
 
 
-class BehaviourStatus(Message, kw_only=True):
+class BehaviourStatus(Message, frozen=True, kw_only=True):
     """Where a behaviour stands: posted when it changes."""
 
     state: Literal["idle", "active", "inhibited", "done", "failed"]
     detail: Text = ""
-
-

@@ -14,7 +14,7 @@ MAX_BEAMS = 8192
 Echo = Range | None  # None: nothing came back
 
 
-class SonarSensor(Message, kw_only=True):
+class SonarSensor(Message, frozen=True, kw_only=True):
     """One ultrasonic sensor: `mount` is robot_from_sonar, the cone's full width is `cone_rad`."""
 
     mount: Pose
@@ -22,14 +22,14 @@ class SonarSensor(Message, kw_only=True):
     max_range_m: Annotated[float, Meta(gt=0.0, le=1000.0)]
 
 
-class LaserSensor(Message, kw_only=True):
+class LaserSensor(Message, frozen=True, kw_only=True):
     """One scanning laser: `mount` is robot_from_laser."""
 
     mount: Pose
     max_range_m: Annotated[float, Meta(gt=0.0, le=1000.0)]
 
 
-class RobotDescription(Message, kw_only=True):
+class RobotDescription(Message, frozen=True, kw_only=True):
     """The body and sensors of a robot, as its TOML file or its recording tells them."""
 
     name: Name
@@ -42,7 +42,7 @@ class RobotDescription(Message, kw_only=True):
     bumper: bool = False
 
 
-class SonarScan(Message, kw_only=True):
+class SonarScan(Message, frozen=True, kw_only=True):
     """Echoes of some or all sonars, taken at the entry's stamp: `ranges_m[i]` is that of sonar number `sensors[i]`."""
 
     sensors: Annotated[tuple[Index, ...], Meta(max_length=MAX_SONARS)]
@@ -53,7 +53,7 @@ class SonarScan(Message, kw_only=True):
             raise ValueError(f"ranges_m has {len(self.ranges_m)} values for {len(self.sensors)} sensors")
 
 
-class LaserScan(Message, kw_only=True):
+class LaserScan(Message, frozen=True, kw_only=True):
     """One sweep of laser number `laser`: beam i looks along angle_min_rad + i * angle_step_rad in the laser's frame."""
 
     laser: Index = 0
@@ -62,7 +62,7 @@ class LaserScan(Message, kw_only=True):
     ranges_m: Annotated[tuple[Echo, ...], Meta(max_length=MAX_BEAMS)]
 
 
-class Odometry(Message, kw_only=True):
+class Odometry(Message, frozen=True, kw_only=True):
     """What the wheels say: the pose in the robot's own odometry frame, which starts anywhere, and the speeds."""
 
     pose: Pose
@@ -70,15 +70,13 @@ class Odometry(Message, kw_only=True):
     turn_radps: TurnRate = 0.0
 
 
-class Bumper(Message, kw_only=True):
+class Bumper(Message, frozen=True, kw_only=True):
     """Contact: the directions in the robot frame in which something is touched; none of them: free."""
 
     bearings_rad: Annotated[tuple[Angle, ...], Meta(max_length=64)]
 
 
-class Battery(Message, kw_only=True):
+class Battery(Message, frozen=True, kw_only=True):
     """Charge left, of a full battery."""
 
     charge_fraction: Fraction
-
-

@@ -10,7 +10,7 @@ from blackboard.messages.geometry import PackedArray, Point, check_array
 TILE_CELLS = 64  # a grid tile is this many cells wide and high
 
 
-class GridTile(Message, kw_only=True):
+class GridTile(Message, frozen=True, kw_only=True):
     """A square piece of the empty-occupied-unknown grid, map frame.
 
     `cells` is uint8 (TILE_CELLS, TILE_CELLS), row by row from low y, each row from low x: 0 empty, 128 unknown, 255 occupied.
@@ -30,7 +30,7 @@ class GridTile(Message, kw_only=True):
         return (self.column * side_m, self.row * side_m, (self.column + 1) * side_m, (self.row + 1) * side_m)
 
 
-class PointSet(Message, kw_only=True):
+class PointSet(Message, frozen=True, kw_only=True):
     """Range readings as points, map frame: float32 (n, 2), metres.
 
     `sensed_from` is float32 (n, 2): where the sensor stood for each point. `half_cone_rad` is float32 (n,): half the width
@@ -48,7 +48,7 @@ class PointSet(Message, kw_only=True):
         check_array(self.half_cone_rad, "float32", (self.points.shape[0],), "half_cone_rad")
 
 
-class Line(Message, kw_only=True):
+class Line(Message, frozen=True, kw_only=True):
     """A straight piece of a wall, map frame, from `start` to `end`.
 
     Its carrier is x cos(alpha) + y sin(alpha) = rho with rho >= 0; `sigma_rho_m` is the largest distance of an admitted
