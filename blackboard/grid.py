@@ -27,7 +27,7 @@ Cells = npt.NDArray[np.uint8]
 
 @dataclass(frozen=True, eq=False)
 class KnownPart:
-    """The smallest rectangle with every cell that is not unknown: `cells` uint8 (rows, columns); lower left corner, map."""
+    """The smallest rectangle with every cell that is not unknown: `cells` uint8 (rows, columns), lower left corner."""
 
     cells: Cells
     x_min_m: float
@@ -38,7 +38,7 @@ class KnownPart:
 class Grid:
     """A grid that grows by whole tiles. Row 0 is the lowest y, column 0 the lowest x; new cells are unknown.
 
-    Raises BoardError for a tile of another cell size, and for what lies so far off that the grid would exceed MAX_CELLS.
+    Raises BoardError for a tile of another cell size, and for what lies so far off that it would exceed MAX_CELLS.
     """
 
     def __init__(self, cell_m: float) -> None:
@@ -128,8 +128,8 @@ class Grid:
         )
 
     def flat(self) -> tuple[Cells, int, int, int]:
-        """Return what a fast writer needs, good until the grid grows: every cell in one row (a view), the width of a row
-        of the grid in it, and the row and column of its first cell. The cell that covers (x, y) stands at
+        """Return what a fast writer needs, good until the grid grows: every cell in one row (a view), the width of a
+        row of the grid in it, and the row and column of its first cell. The cell that covers (x, y) stands at
         `(floor(y / cell_m) - first_row) * width + floor(x / cell_m) - first_column`.
         """
         row, column = self._stored[:2]
@@ -168,8 +168,8 @@ class Grid:
             height, width = (wanted[2] - wanted[0]) * TILE_CELLS, (wanted[3] - wanted[1]) * TILE_CELLS
             if height * width > MAX_CELLS:
                 raise BoardError(
-                    f"the grid would be {width * self.cell_m:.0f} x {height * self.cell_m:.0f} m, over {MAX_CELLS} cells:"
-                    " a pose or a tile lies far off; look at the newest map_from_odom and odom_from_robot"
+                    f"the grid would be {width * self.cell_m:.0f} x {height * self.cell_m:.0f} m, over {MAX_CELLS}"
+                    " cells: a pose or a tile lies far off; look at the newest map_from_odom and odom_from_robot"
                 )
             moved = [self._moved(array, wanted, (height, width)) for array in (self._store, self._taken)]
             self._store, self._taken = moved
