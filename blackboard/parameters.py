@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from blackboard.errors import MissionError, did_you_mean
+from blackboard.toml_file import Place
 
 P = TypeVar("P")
 
@@ -17,8 +18,8 @@ def require(holds: bool, name: str, value: object, limit: str) -> None:
         raise MissionError(f"{name} = {value!r} is outside {limit}")
 
 
-def parse_parameters(type_: type[P], table: Mapping[str, Any], where: str, base: Path | None = None) -> P:
-    """Build the parameters dataclass `type_` from a TOML table; `where` names file and table in errors.
+def parse_parameters(type_: type[P], table: Mapping[str, Any], where: str | Place, base: Path | None = None) -> P:
+    """Build the parameters dataclass `type_` from a TOML table; `where` names file, line and table in errors.
 
     An angle `x_rad` may be written `x_deg`, and a rate `x_radps` as `x_degps`. A field of type Path holds either a bare name of
     something shipped ("lab") or a file, found relative to the folder `base`. Raises MissionError for an unknown key (with the
@@ -33,17 +34,23 @@ def parse_parameters(type_: type[P], table: Mapping[str, Any], where: str, base:
             name, value = _from_degrees(key, raw)
         if name not in fields:
             known = [_file_name(n) for n in fields]
-            raise MissionError(f"{where}: unknown key '{key}'{did_you_mean(key, [*fields, *known])}")
+            raise MissionError(f"{_at(where, key)}: unknown key '{key}'{did_you_mean(key, [*fields, *known])}")
         if name in values:
-            raise MissionError(f"{where}: '{name}' is given twice (in degrees and in radians); keep one")
-        values[name] = _convert(value, hints[name], f"{where}: {key}", base)
+            raise MissionError(f"{_at(where, key)}: '{name}' is given twice (in degrees and in radians); keep one")
+        values[name] = _convert(value, hints[name], f"{_at(where, key)}: {key}", base)
     missing = [n for n, f in fields.items() if n not in values and _required(f)]
     if missing:
-        raise MissionError(f"{where}: '{missing[0]}' is missing; add it")
+        raise MissionError(f"{_at(where)}: '{missing[0]}' is missing; add it")
     try:
         return type_(**values)
     except MissionError as error:
-        raise MissionError(f"{where}: {error}") from None
+        named = str(error).split(" ", 1)[0]
+        written = next((key for key in table if key == named or _from_degrees(key, 0)[0] == named), None)
+        raise MissionError(f"{_at(where, written)}: {error}") from None
+
+
+def _at(where: str | Place, key: str | None = None) -> str:
+    return where.at(key) if isinstance(where, Place) else where
 
 
 def _required(field: "dataclasses.Field[Any]") -> bool:

@@ -1,0 +1,220 @@
+"""Mission files: which robot, knowledge sources, behaviours and coordinator make up a run, and their parameters."""
+
+import importlib.resources
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from blackboard.component import Behaviour, Component, Coordinator, KnowledgeSource, Robot, SafetyLayer
+from blackboard.control import ControlParams
+from blackboard.errors import MissionError, did_you_mean
+from blackboard.history import HistoryParams
+from blackboard.key_expressions import is_chunk
+from blackboard.loading import component_name, load_class
+from blackboard.parameters import parse_parameters, require
+from blackboard.toml_file import Place, TomlFile, read_toml
+
+SAFETY = "behaviours.safety:ReflexSafety"  # always there: a mission may set its parameters, never leave it out
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionParams:
+    """The `[mission]` table."""
+
+    description: str = ""
+    duration_s: float = 600.0  # of a simulated run; a recording ends by itself
+    step_s: float = 0.1  # one control cycle: behaviours answer at 10 Hz
+
+    def __post_init__(self) -> None:
+        require(0 < self.duration_s <= 1e7, "duration_s", self.duration_s, "(0, 1e7] seconds")
+        require(0.001 <= self.step_s <= 10, "step_s", self.step_s, "[0.001, 10] seconds")
+
+
+@dataclass(frozen=True)
+class Spec:
+    """A component as its mission describes it: class, name, parameters, and what the mission says about it."""
+
+    type: type[Component[Any]]
+    name: str
+    params: Any
+    place: Place
+    rating: float | None = None
+    inhibits: tuple[str, ...] = ()
+
+    def build(self, seed: int) -> Any:
+        """Construct the component with random numbers of its own."""
+        return self.type(self.params, name=self.name, seed=seed)
+
+
+@dataclass(frozen=True)
+class Mission:
+    """A mission file, read and checked; nothing runs yet."""
+
+    name: str
+    path: Path
+    params: MissionParams
+    robot: Spec
+    knowledge_sources: tuple[Spec, ...] = ()
+    behaviours: tuple[Spec, ...] = ()
+    coordinator: Spec | None = None
+    safety: Spec | None = None
+    control: ControlParams = field(default_factory=ControlParams)
+    history: HistoryParams = field(default_factory=HistoryParams)
+
+
+TABLES = ("mission", "robot", "knowledge_source", "behaviour", "coordinator", "safety", "control", "history")
+
+
+def shipped_missions() -> dict[str, Path]:
+    """Return the missions that come with the project, by name."""
+    folder = Path(str(importlib.resources.files("rules"))) / "missions"
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+
+
+def find_mission(name: str) -> Path:
+    """Return the file of a mission given by name or by path; raise MissionError where there is none."""
+    shipped = shipped_missions()
+    if name in shipped:
+        return shipped[name]
+    path = Path(name)
+    if path.suffix == ".toml" or len(path.parts) > 1:
+        if path.is_file():
+            return path
+        raise MissionError(f"there is no mission file '{name}'")
+    raise MissionError(f"there is no mission '{name}'{did_you_mean(name, shipped)}")
+
+
+def parse_settings(settings: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Turn `table.key=value` strings into tables; a value is read as TOML, or else as a string."""
+    tables: dict[str, dict[str, Any]] = {}
+    for setting in settings:
+        left, equals, text = setting.partition("=")
+        table, _, key = left.strip().rpartition(".")
+        if not equals or not table or not key:
+            raise MissionError(f"--set '{setting}' must be of the form component.parameter=value")
+        try:
+            value = tomllib.loads(f"value = {text}")["value"]
+        except tomllib.TOMLDecodeError:
+            value = text
+        tables.setdefault(table, {})[key] = value
+    return tables
+
+
+def load_mission(path: Path, settings: Mapping[str, Mapping[str, Any]] | None = None) -> Mission:
+    """Read a mission file, with `settings` (by table or component name) over what it says.
+
+    Raises MissionError with file and line for anything unknown, missing, of the wrong type or out of range.
+    """
+    file = read_toml(path)
+    for table in file.data:
+        if table not in TABLES:
+            place = file.place(table) if isinstance(file.data[table], dict | list) else file.place()
+            raise MissionError(f"{place.at(table)}: unknown table '{table}'{did_you_mean(table, TABLES)}")
+    reader = _Reader(file, {name: dict(table) for name, table in (settings or {}).items()})
+    params = parse_parameters(MissionParams, reader.table("mission"), file.place("mission"))
+    robot = reader.component("robot", Robot, default_name="robot")
+    if robot is None:
+        raise MissionError(f"{path}: there is no [robot] table; add one with use = 'sim.simulated:SimulatedRobot'")
+    mission = Mission(
+        name=path.stem,
+        path=path,
+        params=params,
+        robot=robot,
+        knowledge_sources=reader.components("knowledge_source", KnowledgeSource),
+        behaviours=reader.components("behaviour", Behaviour),
+        coordinator=reader.component("coordinator", Coordinator),
+        safety=reader.component("safety", SafetyLayer, default_use=SAFETY),
+        control=parse_parameters(ControlParams, reader.table("control"), file.place("control")),
+        history=parse_parameters(HistoryParams, reader.table("history"), file.place("history")),
+    )
+    reader.check_all_used()
+    _check_names(mission)
+    return mission
+
+
+class _Reader:
+    """Reads a mission's tables, laying settings over them."""
+
+    def __init__(self, file: TomlFile, settings: dict[str, dict[str, Any]]) -> None:
+        self._file = file
+        self._settings = settings
+        self._names: list[str] = ["mission", "control", "history"]
+
+    def table(self, name: str) -> dict[str, Any]:
+        found = self._file.data.get(name, {})
+        if not isinstance(found, dict):
+            raise MissionError(f"{self._file.place(name).at()}: write [{name}], there is only one")
+        return {**found, **self._settings.get(name, {})}
+
+    def component(
+        self, table: str, base: type[Component[Any]], *, default_name: str | None = None, default_use: str | None = None
+    ) -> Spec | None:
+        if table not in self._file.data and default_use is None:
+            return None
+        raw = self.table(table)
+        if default_use is not None and raw.setdefault("use", default_use) != default_use:
+            raise MissionError(f"{self._file.place(table).at('use')}: the safety layer cannot be replaced; drop 'use'")
+        self._names.append(table)
+        return self._spec(raw, base, self._file.place(table), default_name or table)
+
+    def components(self, table: str, base: type[Component[Any]]) -> tuple[Spec, ...]:
+        found = self._file.data.get(table, [])
+        if not isinstance(found, list):
+            raise MissionError(f"{self._file.place(table).at()}: write [[{table}]], there may be several")
+        specs = []
+        for index, raw in enumerate(found):
+            place = self._file.place(table, index)
+            name = raw.get("name") or (component_name(raw["use"]) if isinstance(raw.get("use"), str) else "")
+            self._names.append(name)
+            specs.append(self._spec({**raw, **self._settings.get(name, {})}, base, place, name))
+        return tuple(specs)
+
+    def check_all_used(self) -> None:
+        """Raise MissionError for a setting that belongs to nothing in the mission."""
+        for name in self._settings:
+            if name not in self._names:
+                raise MissionError(
+                    f"--set {name}...: the mission has no component '{name}'{did_you_mean(name, self._names)}"
+                )
+
+    def _spec(self, raw: dict[str, Any], base: type[Component[Any]], place: Place, name: str) -> Spec:
+        use = raw.pop("use", None)
+        if not isinstance(use, str):
+            raise MissionError(f"{place.at('use')}: 'use' is missing; add use = 'package.module:Class'")
+        found = load_class(use, base, where=place.at("use"), folder=self._file.path.parent)
+        name = raw.pop("name", name)
+        if not isinstance(name, str) or not is_chunk(name):
+            raise MissionError(f"{place.at('name')}: name = {name!r}: letters, digits, '_', '-' and '.' only")
+        rating = raw.pop("rating", None) if issubclass(found, KnowledgeSource) else None
+        if rating is not None and (isinstance(rating, bool) or not isinstance(rating, int | float)):
+            raise MissionError(f"{place.at('rating')}: rating = {rating!r} must be a number")
+        inhibits = raw.pop("inhibits", []) if issubclass(found, Behaviour) else []
+        if not isinstance(inhibits, list) or not all(isinstance(i, str) for i in inhibits):
+            raise MissionError(f"{place.at('inhibits')}: inhibits = {inhibits!r} must be a list of behaviours' names")
+        params = parse_parameters(found.Params, raw, place, self._file.path.parent)
+        return Spec(found, name, params, place, rating, tuple(inhibits))
+
+
+def _check_names(mission: Mission) -> None:
+    seen: dict[str, Spec] = {}
+    for spec in (*mission.knowledge_sources, *mission.behaviours):
+        if spec.name in seen or spec.name in TABLES:
+            raise MissionError(f"{spec.place.at('use')}: the name '{spec.name}' is taken; give this one a name = '...'")
+        seen[spec.name] = spec
+    order = [spec.name for spec in mission.behaviours]
+    for place, spec in enumerate(mission.behaviours):
+        for other in spec.inhibits:
+            if other not in order:
+                raise MissionError(
+                    f"{spec.place.at('inhibits')}: there is no behaviour '{other}'{did_you_mean(other, order)}"
+                )
+            if order.index(other) <= place:
+                raise MissionError(
+                    f"{spec.place.at('inhibits')}: '{spec.name}' must stand before '{other}', which it inhibits; move it up"
+                )
+    if mission.behaviours and mission.coordinator is None:
+        raise MissionError(
+            f"{mission.path}: behaviours need a [coordinator]; add use = 'behaviours.superposition:Superposition'"
+        )
