@@ -38,6 +38,7 @@ class Component(Generic[P]):
     """
 
     Params: ClassVar[type[Any]] = NoParams
+    reads: Sequence[Kind[Any]] = ()  # what it reads beside its triggers
 
     def __init__(self, params: P, *, name: str, seed: int = 0) -> None:
         self.params = params
@@ -69,7 +70,6 @@ class KnowledgeSource(Component[P], ABC):
     """Turns what stands on the board into knowledge: woken by its triggers, it reads, calls its pure core, and posts."""
 
     triggers: Sequence[Trigger[Any] | Kind[Any]] = ()  # a bare kind means every entry of it; may be set in __init__
-    reads: Sequence[Kind[Any]] = ()  # beside the triggers' kinds
     posts: Sequence[Kind[Any]] = ()
     rating: float = 0.0  # the higher goes first
     work: int = 1  # units of a cycle's budget that one activation costs
@@ -84,8 +84,6 @@ class KnowledgeSource(Component[P], ABC):
 
 class Behaviour(Component[P], ABC):
     """Answers the newest readings with a response, every control cycle."""
-
-    reads: Sequence[Kind[Any]] = ()
 
     @abstractmethod
     def respond(self, board: "Access") -> Response | None:
@@ -106,8 +104,6 @@ class Coordinator(Component[P], ABC):
 
 class SafetyLayer(Component[P], ABC):
     """Stands between every wanted velocity and the wheels; no mission can leave it out."""
-
-    reads: Sequence[Kind[Any]] = ()
 
     @abstractmethod
     def limit(self, wanted: Velocity | None, board: "Access") -> Drive:
@@ -142,6 +138,11 @@ class Robot(Component[P], ABC):
     @abstractmethod
     def description(self) -> RobotDescription:
         """Body and sensors; known from construction on."""
+
+    @property
+    def start_s(self) -> float:
+        """The mission's clock when the run begins."""
+        return 0.0
 
     @property
     def end_s(self) -> float | None:

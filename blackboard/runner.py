@@ -1,0 +1,135 @@
+"""One run of a mission on the local link: everything in one process, in lock-step, on the mission's clock.
+
+Each cycle: readings arrive, reflexes answer, the control module spends its budget on knowledge sources. The same mission,
+seed and readings give the same board, byte for byte.
+"""
+
+from array import array
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from blackboard.board import Board, Journal
+from blackboard.component import KnowledgeSource, Robot
+from blackboard.control import Control
+from blackboard.entry import Entry
+from blackboard.kinds import MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT
+from blackboard.messages.geometry import IDENTITY, Pose
+from blackboard.mission import Mission
+from blackboard.reflexes import Reflexes
+from blackboard.wiring import check_wiring
+
+Progress = Callable[[float, float], None]  # elapsed and total seconds on the mission's clock
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """What differs from run to run of one mission."""
+
+    seed: int = 0
+    strict: bool = False
+    journal: Journal | None = None
+
+
+class Run:
+    """A mission with its components built and wired. Raises MissionError where they do not fit together."""
+
+    def __init__(self, mission: Mission, options: RunOptions | None = None) -> None:
+        options = options or RunOptions()
+        self.mission = mission
+        self.robot: Robot[Any] = mission.robot.build(options.seed)
+        self.sources: list[KnowledgeSource[Any]] = []
+        for spec in mission.knowledge_sources:
+            source = spec.build(options.seed)
+            if spec.rating is not None:
+                source.rating = float(spec.rating)
+            self.sources.append(source)
+        behaviours = [(spec.build(options.seed), spec.inhibits) for spec in mission.behaviours]
+        coordinator = mission.coordinator.build(options.seed) if mission.coordinator is not None else None
+        safety = mission.safety.build(options.seed) if mission.safety is not None else None
+        vocabulary = check_wiring(self.robot, self.sources, [b for b, _ in behaviours], safety)
+        description = self.robot.description
+        self.board = Board(vocabulary, robot=description.name, history=mission.history, journal=options.journal)
+        self.board.now_s = self.robot.start_s
+        self.control = Control(self.board, self.sources, mission.control, strict=options.strict)
+        self._reflexes: Reflexes | None = None
+        if self.robot.moves and safety is not None:
+            self._reflexes = Reflexes(self.board, behaviours, coordinator, safety, description, strict=options.strict)
+        self._track = Track()
+        self.board.subscribe(self.board.key(ODOM_FROM_ROBOT), self._note_pose)
+        self._truth = Track()
+        self._cycle = 0
+        self.board.post(ROBOT, description, source=self.robot.name)
+
+    @property
+    def duration_s(self) -> float:
+        """How long the run will take on the mission's clock."""
+        end_s = self.robot.end_s
+        return self.mission.params.duration_s if end_s is None else end_s - self.robot.start_s
+
+    def run(self, duration_s: float | None = None, progress: Progress | None = None) -> None:
+        """Run for `duration_s` (to the mission's or the recording's end unless given), then let the sources finish."""
+        total_s = self.duration_s if duration_s is None else min(duration_s, self.duration_s_limit)
+        cycles = int(np.ceil(total_s / self.mission.params.step_s - 1e-9)) + 1
+        for cycle in range(cycles):
+            self.cycle()
+            if progress is not None and cycle % 50 == 0:
+                progress(cycle * self.mission.params.step_s, total_s)
+        self.control.finish()
+        if progress is not None:
+            progress(total_s, total_s)
+
+    @property
+    def duration_s_limit(self) -> float:
+        """How long the run can last at most: a recording's length, else no limit."""
+        return float("inf") if self.robot.end_s is None else self.duration_s
+
+    def cycle(self) -> None:
+        """Run one control cycle."""
+        now_s = self.robot.start_s + self._cycle * self.mission.params.step_s
+        self._cycle += 1
+        board = self.board
+        for reading in self.robot.advance(now_s):
+            board.now_s = max(board.now_s, reading.stamp_s)
+            board.post(reading.kind, reading.value, source=self.robot.name, stamp_s=reading.stamp_s)
+        board.now_s = max(board.now_s, now_s)
+        true_pose = self.robot.true_pose()
+        if true_pose is not None:
+            self._truth.add(now_s, true_pose)
+        if self._reflexes is not None:
+            self.robot.drive(self._reflexes.respond())
+        self.control.run_cycle()
+
+    def trajectory(self) -> npt.NDArray[np.float64]:
+        """Return where the robot believed to be, (n, 4): stamp_s, x_m, y_m, heading_rad, map frame, each as of its time."""
+        return self._track.rows()
+
+    def true_trajectory(self) -> npt.NDArray[np.float64] | None:
+        """Return where it really was, likewise; None where nobody knows."""
+        return self._truth.rows() if len(self._truth) else None
+
+    def _note_pose(self, entry: Entry[Pose]) -> None:
+        correction = self.board.newest(MAP_FROM_ODOM)
+        map_from_odom = correction.value if correction is not None else IDENTITY
+        self._track.add(entry.stamp_s, map_from_odom @ entry.value)
+
+
+class Track:
+    """A growing list of stamped poses, 32 bytes each."""
+
+    def __init__(self) -> None:
+        self._numbers = array("d")
+
+    def add(self, stamp_s: float, pose: Pose) -> None:
+        """Append a pose."""
+        self._numbers.extend((stamp_s, pose.x_m, pose.y_m, pose.heading_rad))
+
+    def rows(self) -> npt.NDArray[np.float64]:
+        """Return (n, 4) stamp_s, x_m, y_m, heading_rad."""
+        return np.array(self._numbers, dtype=np.float64).reshape(-1, 4)
+
+    def __len__(self) -> int:
+        return len(self._numbers) // 4
