@@ -22,7 +22,7 @@ Journal = Callable[[Entry[Any], bytes], None]
 
 
 class Board:
-    """One robot's board. `journal`, if given, is told of every recorded post with its value's JSON, in order."""
+    """One robot's board. `journal`, where set, is told of every recorded post with its value's JSON, in order."""
 
     def __init__(
         self,
@@ -39,7 +39,7 @@ class Board:
         self.now_s = 0.0
         self.posts = 0
         self.history = History(history or HistoryParams())
-        self._journal = journal
+        self.journal = journal
         self._standing: dict[str, Entry[Any]] = {}
         self._members: dict[str, dict[str, str]] = {}  # path of a collection: id to key, in order of posting
         self._owners: dict[str, str] = {}
@@ -210,8 +210,8 @@ class Board:
     def _publish(self, kind: Kind[Any], entry: Entry[Any], raw: bytes) -> None:
         self.posts += 1
         self.history.add(entry, member=kind.collection)
-        if self._journal is not None and kind.recorded:
-            self._journal(entry, raw)
+        if self.journal is not None and kind.recorded:
+            self.journal(entry, raw)
         watchers = self._watching.get(entry.key)
         if watchers is None:
             watchers = tuple(watcher for expression, watcher in self._watchers if matches(expression, entry.key))

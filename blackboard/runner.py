@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from blackboard.board import Board, Journal
+from blackboard.board import Board
 from blackboard.component import KnowledgeSource, Robot
 from blackboard.control import Control
 from blackboard.entry import Entry
@@ -31,7 +31,6 @@ class RunOptions:
 
     seed: int = 0
     strict: bool = False
-    journal: Journal | None = None
 
 
 class Run:
@@ -52,7 +51,7 @@ class Run:
         safety = mission.safety.build(options.seed) if mission.safety is not None else None
         vocabulary = check_wiring(self.robot, self.sources, [b for b, _ in behaviours], safety)
         description = self.robot.description
-        self.board = Board(vocabulary, robot=description.name, history=mission.history, journal=options.journal)
+        self.board = Board(vocabulary, robot=description.name, history=mission.history)
         self.board.now_s = self.robot.start_s
         self.control = Control(self.board, self.sources, mission.control, strict=options.strict)
         self._reflexes: Reflexes | None = None
@@ -62,7 +61,6 @@ class Run:
         self.board.subscribe(self.board.key(ODOM_FROM_ROBOT), self._note_pose)
         self._truth = Track()
         self._cycle = 0
-        self.board.post(ROBOT, description, source=self.robot.name)
 
     @property
     def duration_s(self) -> float:
@@ -89,9 +87,11 @@ class Run:
 
     def cycle(self) -> None:
         """Run one control cycle."""
+        board = self.board
+        if self._cycle == 0:
+            board.post(ROBOT, self.robot.description, source=self.robot.name)
         now_s = self.robot.start_s + self._cycle * self.mission.params.step_s
         self._cycle += 1
-        board = self.board
         for reading in self.robot.advance(now_s):
             board.now_s = max(board.now_s, reading.stamp_s)
             board.post(reading.kind, reading.value, source=self.robot.name, stamp_s=reading.stamp_s)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
 from typing import Any
 
 from blackboard import kinds
@@ -86,7 +87,7 @@ def _check_rest(sources: Sequence[KnowledgeSource[Any]]) -> None:
         TopologicalSorter(wakers).prepare()
     except CycleError as error:
         ring = error.args[1]
-        steps = " -> ".join(f"{a} ({wakers[b][a]})" for a, b in zip(ring, ring[1:], strict=False))
+        steps = " -> ".join(f"{a} ({wakers[b][a]})" for a, b in pairwise(ring))
         raise MissionError(
             f"{steps} -> {ring[-1]} would wake each other without end; "
             "give one of the triggers a condition (every, min_interval_s, when)"

@@ -1,0 +1,1 @@
+"""The command line `ski`: one module for each verb."""

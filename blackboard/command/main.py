@@ -1,0 +1,83 @@
+"""`ski`: parses the command line and runs one verb. Errors are one line on standard error; results go to standard output."""
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+VERBS = {
+    "run": "run a mission: simulated robot, knowledge sources, behaviours",
+    "map": "build a map from a recording",
+    "check": "check a mission file without running it",
+    "vocabulary": "print every kind of entry, with its JSON Schema",
+    "why": "explain an entry of a run, down to the readings",
+    "new": "write a new component to start from",
+}
+EXIT_ERROR = 2
+EXIT_INTERRUPTED = 130
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaints are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where help is, and exit."""
+        self.exit(EXIT_ERROR, f"ski: {message}; see `{self.prog} --help`\n")
+
+
+def build_parser(verb: str | None) -> argparse.ArgumentParser:
+    """Return the parser; only the verb that is asked for is imported, so that `ski --help` is quick."""
+    parser = Parser(
+        prog="ski",
+        description="A blackboard that turns a mobile robot's readings into a model of its world, and says why.",
+        epilog="`ski VERB --help` tells more. Start with: ski run explore-lab",
+    )
+    parser.add_argument("--version", action="store_true", help="print the version and exit")
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB")
+    for name, text in VERBS.items():
+        below = verbs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        if name == verb:
+            module = importlib.import_module(f"blackboard.command.{name}")
+            module.add_arguments(below)
+            below.set_defaults(call=module.call)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return its exit status."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    verb = next((word for word in given if not word.startswith("-")), None)
+    if verb is not None and verb not in VERBS:
+        from blackboard.errors import did_you_mean
+
+        sys.stderr.write(f"ski: there is no verb '{verb}'{did_you_mean(verb, VERBS)}\n")
+        return EXIT_ERROR
+    parser = build_parser(verb)
+    options = parser.parse_args(given)
+    if options.version:
+        from importlib.metadata import version
+
+        sys.stdout.write(f"ski {version('sensory-knowledge-integrator')}\n")
+        return 0
+    if options.verb is None:
+        parser.print_help()
+        return 0
+    from blackboard.errors import SkiError
+
+    try:
+        return int(options.call(options) or 0)
+    except SkiError as error:
+        sys.stderr.write(f"ski: {error}\n")
+        return EXIT_ERROR
+    except KeyboardInterrupt:
+        sys.stderr.write("ski: interrupted\n")
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:  # the reader (head, less) has gone; keep the interpreter from complaining at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,130 @@
+"""Why does it stand there? From an entry through its supports down to the readings."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import msgspec
+
+from blackboard.entry import Support
+from blackboard.errors import BoardError, did_you_mean
+from blackboard.journal import JournalLine
+from blackboard.key_expressions import matches
+
+SHOWN_CHARACTERS = 90
+
+
+@dataclass
+class Reason:
+    """One step of an explanation: an entry or a stretch of them, in words, and what it stands on."""
+
+    support: Support
+    words: str
+    said: tuple[str, ...] = ()  # endorsements
+    reasons: list["Reason"] = field(default_factory=list)
+    repeated: bool = False  # explained further up
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the same as plain data, for JSON."""
+        return {
+            "key": self.support.key,
+            "first": self.support.first,
+            "last": self.support.last,
+            "words": self.words,
+            "endorsements": list(self.said),
+            "repeated": self.repeated,
+            "supports": [reason.as_dict() for reason in self.reasons],
+        }
+
+
+class Record:
+    """All revisions of a run, by key."""
+
+    def __init__(self, lines: Iterable[JournalLine]) -> None:
+        self._revisions: dict[str, dict[int, JournalLine]] = {}
+        for line in lines:
+            self._revisions.setdefault(line.key, {})[line.revision] = line
+
+    def find(self, name: str, *, at_s: float | None = None) -> JournalLine:
+        """Return the newest revision (at or before `at_s`) of the key that `name` says: whole, without `ski/<robot>/`, or an
+        expression that matches one key. Raises BoardError where it is none or several.
+        """
+        candidates = [key for key in self._revisions if key == name or _short(key) == name]
+        if not candidates and "*" in name:
+            candidates = [key for key in self._revisions if matches(name, key) or matches(name, _short(key))]
+        if not candidates:
+            raise BoardError(f"nothing stood at '{name}'{did_you_mean(name, map(_short, self._revisions))}")
+        if len(candidates) > 1:
+            shown = ", ".join(sorted(map(_short, candidates))[:5])
+            raise BoardError(f"'{name}' matches {len(candidates)} keys ({shown}, ...); name one")
+        revisions = self._revisions[candidates[0]].values()
+        before = [line for line in revisions if at_s is None or line.stamp_s <= at_s]
+        if not before:
+            first = min(line.stamp_s for line in revisions)
+            raise BoardError(f"'{name}' was first posted at {first:.3f} s; give a later --at")
+        return max(before, key=lambda line: line.revision)
+
+    def explain(self, line: JournalLine, depth: int = 12) -> Reason:
+        """Return why an entry stands: a tree whose leaves are readings (entries without supports)."""
+        return self._reason(Support(line.key, line.revision, line.revision), depth, set())
+
+    def _reason(self, support: Support, depth: int, told: set[tuple[str, int, int]]) -> Reason:
+        revisions = self._revisions.get(support.key, {})
+        first, last = revisions.get(support.first), revisions.get(support.last)
+        name = (support.key, support.first, support.last)
+        if last is None:
+            return Reason(support, "not in this record")
+        reason = Reason(support, _words(support, first or last, last))
+        reason.said = tuple(f"{e.verdict} ({e.who}): {e.why}" for e in last.endorsements)
+        if name in told:
+            reason.repeated = bool(last.supports)
+            return reason
+        told.add(name)
+        if depth > 0:
+            reason.reasons = [self._reason(s, depth - 1, told) for s in last.supports]
+        return reason
+
+
+def render(reason: Reason, indent: str = "", last: bool = True, root: bool = True) -> Iterator[str]:
+    """Yield a tree of reasons as lines of text."""
+    branch = "" if root else ("└─ " if last else "├─ ")
+    note = "  (explained above)" if reason.repeated else ""
+    yield f"{indent}{branch}{reason.words}{note}"
+    below = indent if root else indent + ("   " if last else "│  ")
+    for said in reason.said:
+        yield f"{below}   {said}"
+    for i, inner in enumerate(reason.reasons):
+        yield from render(inner, below, i == len(reason.reasons) - 1, root=False)
+
+
+def _short(key: str) -> str:
+    return "/".join(key.split("/")[2:])
+
+
+def _words(support: Support, first: JournalLine, last: JournalLine) -> str:
+    name = _short(support.key)
+    if support.first != support.last:
+        count = support.last - support.first + 1
+        return (
+            f"{name}, {count} revisions {support.first} to {support.last} ({first.stamp_s:.2f} to {last.stamp_s:.2f} s), "
+            f"the last: {_brief(last.value)}"
+        )
+    gone = ", retracted" if last.event == "retracted" else ""
+    return f"{name} revision {last.revision}{gone} at {last.stamp_s:.2f} s by {last.source}: {_brief(last.value)}"
+
+
+def _brief(raw: msgspec.Raw) -> str:
+    value = msgspec.json.decode(raw)
+    parts = []
+    for name, item in value.items() if isinstance(value, dict) else ():
+        if isinstance(item, dict) and "zlib_base64" in item:
+            item = f"{item['dtype']}{item['shape']}"
+        elif isinstance(item, list) and len(item) > 4:
+            item = f"{len(item)} values"
+        elif isinstance(item, float):
+            item = f"{item:.4g}"
+        elif isinstance(item, dict):
+            item = ", ".join(f"{v:.4g}" if isinstance(v, float) else str(v) for v in item.values())
+            item = f"({item})"
+        parts.append(f"{name} {item}")
+    text = ", ".join(parts)
+    return text if len(text) <= SHOWN_CHARACTERS else f"{text[: SHOWN_CHARACTERS - 3]}..."
