@@ -22,8 +22,7 @@ PICTURE_PX = 1000  # a small grid is enlarged by a whole factor as long as its l
 
 def picture_factor(grid: GridView) -> int:
     """Return how many pixels wide and high a cell is in `grid.png`."""
-    rows, columns = grid.cells.shape
-    return max(1, PICTURE_PX // max(1, rows, columns))
+    return max(1, PICTURE_PX // max(1, int(max(grid.cells.shape))))
 
 
 def grid_picture(grid: GridView) -> npt.NDArray[np.uint8]:
