@@ -136,19 +136,22 @@ def _shades() -> npt.NDArray[np.uint8]:
 
 def _shared_colours() -> Image.Image:
     """Return the palette of all frames: every colour drawn with, and the mixtures that smooth edges are made of."""
-    shades = [tuple(c) for c in np.unique(_shades(), axis=0).tolist()]
-    path = [tuple(c) for c in np.rint(palette.path_colours(np.linspace(0.0, 1.0, PATH_STEPS + 1)) * 255).tolist()]
+    shades: list[palette.Colour] = [(r, g, b) for r, g, b in np.unique(_shades(), axis=0).tolist()]
+    steps = np.rint(palette.path_colours(np.linspace(0.0, 1.0, PATH_STEPS + 1)) * 255).astype(int).tolist()
+    path: list[palette.Colour] = [(r, g, b) for r, g, b in steps]
     grounds = (palette.PAPER, palette.UNKNOWN_COLOUR, palette.OCCUPIED_COLOUR)
     colours = [*shades, *path, palette.LINE_COLOUR, palette.ROBOT_COLOUR, palette.INK, palette.FAINT_INK, *grounds]
-    pairs = [(c, palette.PAPER, (0.5,)) for c in path]
-    pairs += [(palette.LINE_COLOUR, ground, (0.33, 0.67)) for ground in grounds]
-    pairs += [(palette.INK, other, (0.25, 0.5, 0.75)) for other in (palette.PAPER, palette.ROBOT_COLOUR)]
-    for one, other, fractions in pairs:
-        colours += [tuple(f * a + (1 - f) * b for a, b in zip(one, other, strict=True)) for f in fractions]
-    flat = [round(channel) for colour in dict.fromkeys(colours) for channel in colour]
+    colours += [_mixed(c, palette.PAPER, 0.5) for c in path]
+    colours += [_mixed(palette.LINE_COLOUR, ground, f) for ground in grounds for f in (0.33, 0.67)]
+    colours += [_mixed(palette.INK, c, f) for c in (palette.PAPER, palette.ROBOT_COLOUR) for f in (0.25, 0.5, 0.75)]
     holder = Image.new("P", (1, 1))
-    holder.putpalette(flat)
+    holder.putpalette([channel for colour in dict.fromkeys(colours) for channel in colour])
     return holder
+
+
+def _mixed(one: palette.Colour, other: palette.Colour, fraction: float) -> palette.Colour:
+    red, green, blue = (round(fraction * a + (1 - fraction) * b) for a, b in zip(one, other, strict=True))
+    return (red, green, blue)
 
 
 @cache

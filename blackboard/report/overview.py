@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Rectangle
 
+from blackboard.grid import UNKNOWN
 from blackboard.report import palette
 from blackboard.report.result import RunResult, driven_m, segments
 from blackboard.report.view import View, colours_over, scale_bar_m, simplified, view_of
@@ -79,7 +80,7 @@ def main_figures(result: RunResult) -> str:
     if len(path):
         parts.append(f"{_duration(float(path[-1, 0] - path[0, 0]))}, {driven_m(path):.0f} m driven")
     if result.grid is not None:
-        known = int((result.grid.cells != 128).sum()) * result.grid.cell_m**2
+        known = int((result.grid.cells != UNKNOWN).sum()) * result.grid.cell_m**2
         parts.append(f"{known:.0f} m² mapped")
     if result.lines:
         parts.append(f"{len(result.lines)} line{'s' if len(result.lines) > 1 else ''}")

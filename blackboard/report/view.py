@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from blackboard.grid import UNKNOWN
+from blackboard.grid import UNKNOWN, KnownPart
 from blackboard.report.result import GridView, Trajectory
 
 MARGIN_FRACTION = 0.04  # of the longer side, left free around what is known
@@ -40,15 +40,24 @@ class View:
         return View(x_m - width_m / 2, y_m - height_m / 2, x_m + width_m / 2, y_m + height_m / 2)
 
 
+def known_part(grid: GridView) -> KnownPart | None:
+    """Return the smallest rectangle with every cell that is not unknown; None when nothing is known."""
+    known = grid.cells != UNKNOWN
+    rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
+    if not len(rows):
+        return None
+    r0, r1, c0, c1 = int(rows[0]), int(rows[-1]), int(columns[0]), int(columns[-1])
+    x_min_m, y_min_m = grid.x_min_m + c0 * grid.cell_m, grid.y_min_m + r0 * grid.cell_m
+    return KnownPart(grid.cells[r0 : r1 + 1, c0 : c1 + 1], x_min_m, y_min_m, grid.cell_m)
+
+
 def view_of(grid: GridView | None, trajectory: Trajectory, ends: npt.NDArray[np.float64], radius_m: float) -> View:
     """Return the view of all known cells, the robot at all poses, and all lines' `ends` (n, 4), with a margin."""
     corners = [ends[:, :2], ends[:, 2:], trajectory[:, 1:3] - radius_m, trajectory[:, 1:3] + radius_m]
-    if grid is not None:
-        known = grid.cells != UNKNOWN
-        rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
-        if len(rows):
-            cells = np.array([[columns[0], rows[0]], [columns[-1] + 1, rows[-1] + 1]], dtype=np.float64)
-            corners.append(cells * grid.cell_m + (grid.x_min_m, grid.y_min_m))
+    known = known_part(grid) if grid is not None else None
+    if known is not None:
+        rows, columns = known.cells.shape
+        corners.append(np.array([[0, 0], [columns, rows]]) * known.cell_m + (known.x_min_m, known.y_min_m))
     points = np.concatenate(corners)
     if not len(points):
         points = np.zeros((1, 2))
