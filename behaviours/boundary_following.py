@@ -1,0 +1,119 @@
+"""Wanders along the boundaries of a room: straight on while the way is clear, else the clear way nearest to forward.
+
+Reads  status/robot                     RobotDescription
+       observations/signal/odometry     Odometry
+       observations/signal/sonar_scan   SonarScan
+       observations/signal/laser_scan   LaserScan
+       observations/signal/bumper       Bumper
+
+Bou-Ghannam 1992, section 4.2.3. The threshold of each sonar follows from a corridor along the way: ahead it is the length of
+the corridor, to the side what keeps its half width. A way once chosen is held, in the odometry frame, until the robot looks
+along it. It answers while a boundary is near, and is silent in the open and where no way is clear: random-wander leads on.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+from behaviours.corridor import clear_way_m
+from behaviours.near_echoes import NEAR_ECHOES, READS, Near, no_echoes, refresh
+from blackboard.access import Access
+from blackboard.component import Behaviour
+from blackboard.kinds import ODOMETRY, ROBOT
+from blackboard.messages.geometry import wrap_angle
+from blackboard.messages.motion import Response
+from blackboard.parameters import require
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BoundaryFollowingParams:
+    """When a boundary counts as near, and what counts as clear."""
+
+    notice_m: float = 1.5  # answers while something is this near to the rim; must lie within the memory's reach
+    front_m: float = 0.5  # goes on while so much is clear ahead: room to stop and to turn away
+    choose_m: float = 0.8  # a new way must be clear for so far; more than front_m, so that it does not dither
+    side_m: float = 0.2  # room kept to either side
+    step_rad: float = pi / 18  # the ways looked at lie 10 degrees apart
+    aligned_rad: float = pi / 36  # a chosen way is reached within 5 degrees
+
+    def __post_init__(self) -> None:
+        require(0.1 <= self.notice_m <= NEAR_ECHOES.reach_m, "notice_m", self.notice_m, f"[0.1, {NEAR_ECHOES.reach_m}]")
+        require(0.1 <= self.front_m <= self.choose_m, "front_m", self.front_m, "[0.1, choose_m]")
+        require(self.choose_m <= self.notice_m, "choose_m", self.choose_m, "[front_m, notice_m]")
+        require(0.0 <= self.side_m <= 1.0, "side_m", self.side_m, "[0, 1]")
+        require(pi / 180 <= self.step_rad <= pi / 4, "step_rad", self.step_rad, "[pi/180, pi/4]")
+        require(0.0 < self.aligned_rad <= pi / 6, "aligned_rad", self.aligned_rad, "(0, pi/6]")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Course:
+    """What is kept from one answer to the next: the way held (odometry frame) and whether a boundary is followed."""
+
+    way_rad: float | None = None
+    side: int = 0  # 1: to the left, -1: to the right
+    following: bool = False
+
+
+SILENT = Course()
+LET_GO = 1.1  # a boundary is lost at this multiple of notice_m
+
+
+def clear_way(nears: Sequence[Near], side: int, radius_m: float, params: BoundaryFollowingParams) -> float | None:
+    """Return the clear way nearest to forward, robot frame; of two as near the one on `side`, else the longer one."""
+    half_width_m = radius_m + params.side_m
+    for needed_m in (params.choose_m, params.front_m):
+        for step in range(1, int(pi / params.step_rad) + 1):
+            found = []
+            for sign in (side, -side) if side else (1, -1):
+                way_rad = sign * step * params.step_rad
+                clear_m = clear_way_m(nears, way_rad, half_width_m, params.notice_m)
+                if clear_m >= needed_m:
+                    found.append((clear_m, way_rad))
+            if found:
+                return found[0][1] if side else max(found, key=lambda f: f[0])[1]
+    return None
+
+
+def boundary_following_response(
+    course: Course, nears: Sequence[Near], heading_rad: float, radius_m: float, params: BoundaryFollowingParams
+) -> tuple[Course, Response | None]:
+    """Return the course kept from now on and the response; `heading_rad` is the robot's own, odometry frame."""
+    notice_m = radius_m + params.notice_m * (LET_GO if course.following else 1.0)
+    if not any(near[0] <= notice_m for near in nears):
+        return SILENT, None
+    half_width_m = radius_m + params.side_m
+    way_rad = wrap_angle(course.way_rad - heading_rad) if course.way_rad is not None else 0.0
+    if abs(way_rad) <= params.aligned_rad:
+        way_rad = 0.0
+    side = course.side
+    if clear_way_m(nears, way_rad, half_width_m, params.notice_m) < params.front_m:
+        chosen = clear_way(nears, side if way_rad != 0.0 else 0, radius_m, params)
+        if chosen is None:
+            return Course(side=side, following=True), None
+        way_rad, side = chosen, 1 if chosen > 0 else -1
+    held_rad = wrap_angle(heading_rad + way_rad) if way_rad != 0.0 else None
+    course = Course(way_rad=held_rad, side=side, following=True)
+    return course, Response(forward=cos(way_rad), left=sin(way_rad))
+
+
+class BoundaryFollowing(Behaviour[BoundaryFollowingParams]):
+    """Goes along what bounds the free floor."""
+
+    Params = BoundaryFollowingParams
+    reads = READS
+
+    def __init__(self, params: BoundaryFollowingParams, *, name: str, seed: int = 0) -> None:
+        super().__init__(params, name=name, seed=seed)
+        self._memory = no_echoes()
+        self._course = SILENT
+
+    def respond(self, board: Access) -> Response | None:
+        self._memory, nears = refresh(self._memory, board, NEAR_ECHOES)
+        robot, odometry = board.newest(ROBOT), board.newest(ODOMETRY)
+        if robot is None or odometry is None:
+            return None
+        heading_rad = odometry.value.pose.heading_rad
+        self._course, response = boundary_following_response(
+            self._course, nears, heading_rad, robot.value.radius_m, self.params
+        )
+        return response

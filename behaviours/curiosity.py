@@ -1,0 +1,72 @@
+"""Looks around: turns once about itself while the sensors listen, and is done.
+
+Reads  observations/signal/odometry     Odometry
+
+Bou-Ghannam 1992, section 5 (the start of an exploration). The turn is measured on the odometry: the sum of its changes.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+from blackboard.access import Access
+from blackboard.component import Behaviour
+from blackboard.kinds import ODOMETRY
+from blackboard.messages.geometry import wrap_angle
+from blackboard.messages.motion import Response
+from blackboard.parameters import require
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CuriosityParams:
+    """How far and how fast it turns."""
+
+    angle_rad: float = 2.0 * pi
+    rate_radps: float = 0.5  # 6 degrees a scan at 5 Hz: every direction comes under a cone of 12 degrees twice
+
+    def __post_init__(self) -> None:
+        require(0.0 < self.angle_rad <= 20.0 * pi, "angle_rad", self.angle_rad, "(0, 20 pi]")
+        require(0.05 <= abs(self.rate_radps) <= 3.0, "rate_radps", self.rate_radps, "+/- [0.05, 3]")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spin:
+    """How far it has turned so far, counted in the direction of the spin, and the heading at the last reading."""
+
+    turned_rad: float = 0.0
+    heading_rad: float | None = None
+
+
+def curiosity_response(spin: Spin, heading_rad: float, params: CuriosityParams) -> tuple[Spin, Response | None]:
+    """Return the spin with this reading added, and a turn on the spot; None once the angle is reached."""
+    turned_rad = spin.turned_rad
+    if spin.heading_rad is not None:
+        change_rad = wrap_angle(heading_rad - spin.heading_rad)
+        turned_rad += change_rad if params.rate_radps > 0 else -change_rad
+    spin = Spin(turned_rad=turned_rad, heading_rad=heading_rad)
+    return spin, None if finished(spin, params) else Response(turn_radps=params.rate_radps)
+
+
+def finished(spin: Spin, params: CuriosityParams) -> bool:
+    """Say whether the whole angle has been turned."""
+    return spin.turned_rad >= params.angle_rad
+
+
+class Curiosity(Behaviour[CuriosityParams]):
+    """Turns once about itself."""
+
+    Params = CuriosityParams
+    reads = (ODOMETRY,)
+
+    def __init__(self, params: CuriosityParams, *, name: str, seed: int = 0) -> None:
+        super().__init__(params, name=name, seed=seed)
+        self._spin = Spin()
+
+    def respond(self, board: Access) -> Response | None:
+        odometry = board.newest(ODOMETRY)
+        if odometry is None:
+            return None
+        self._spin, response = curiosity_response(self._spin, odometry.value.pose.heading_rad, self.params)
+        return response
+
+    def done(self) -> bool:
+        return finished(self._spin, self.params)
