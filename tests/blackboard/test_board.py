@@ -204,14 +204,14 @@ def test_memory_stays_bounded(steps: list[tuple[int, int]]) -> None:
     b = board(slot_revisions=4, member_revisions=2, pinned_limit=10, retired_limit=3)
     newest: Entry[Any] = b.post(ODOMETRY, odometry(), source="robot")
     for what, number in steps:
-        id = str(number % 5)
+        name = str(number % 5)
         if what == 0:
             newest = b.post(ODOMETRY, odometry(float(number)), source="robot", supports=(newest.as_support(),))
         elif what == 1:
             support = Support(newest.key, max(1, newest.revision - number), newest.revision)
-            b.post(LINE, line(1.0), id=id, source="finder", supports=(support,))
-        elif what == 2 and b.newest(LINE, id) is not None:
-            b.retract(LINE, id, source="finder")
+            b.post(LINE, line(1.0), id=name, source="finder", supports=(support,))
+        elif what == 2 and b.newest(LINE, name) is not None:
+            b.retract(LINE, name, source="finder")
     assert len(b.history) <= 4 + 10 + 5 * 2 + 3 * 2
     assert b.revisions(newest.as_support()) == [newest]
 
