@@ -1,0 +1,67 @@
+"""Parameters of the line finder, with what each is for."""
+
+from dataclasses import dataclass
+from math import pi, radians
+from typing import Literal
+
+from blackboard.parameters import require
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineFinderParams:
+    """How lines are sought, and what a line must show for itself. The last block is for method "tangent" only."""
+
+    method: Literal["tangent", "axis"] = "tangent"
+    keep_batches: int = 400  # an hour of twelve sonars at 5 Hz; some 4,000 lines of about 1 kB
+    alpha_step_rad: float = radians(1.0)  # the thesis's
+    rho_step_m: float = 0.05  # the thesis's
+    reach_m: float = 10.0  # largest rho: a sonar's reach (the thesis's lab: 5 m)
+    min_votes: int = 6  # fewer do not prove a line however empty the rest
+    chance_sigmas: float = 6.0  # each strong wall adds chance votes around its own cell, so three is too few
+    cluster_fraction: float = 0.5  # of the mean of the earlier max-min distances: the thesis's
+    line_distance_m: float = 0.10  # two cells of rho: what clustering leaves uncertain
+    min_support: int = 6
+    min_length_m: float = 0.25
+
+    max_incidence_rad: float = radians(30.0)  # further off its normal a smooth wall answers no sonar
+    max_beam_incidence_rad: float = radians(80.0)  # further off a laser's spot is smeared over too much of the wall
+    cluster_resolution_m: float = (
+        0.3  # lines this far apart (at 2.9 m, where one step of alpha is one of rho) stay apart
+    )
+    fit_distance_m: float = 0.05  # three to five deviations of a sonar's noise
+    max_spread_m: float = 0.03  # echoes that spread more are of no flat wall
+    max_tilt_rad: float = radians(1.5)  # so that two deviations are 3 degrees
+    max_bend: float = 8.0  # F statistic; chance gives 4 one time in a hundred, and the best of many breaks is tried
+    slack: float = 2.0  # squared deviations that a shorter line may cost
+    contradiction_margin_m: float = 0.15  # beyond noise and a small error of the pose
+    max_contradicted_fraction: float = 0.2  # of the support
+    passes: int = 2  # the second finds what the first's strong lines drowned
+
+    def __post_init__(self) -> None:
+        require(
+            radians(0.1) <= self.alpha_step_rad <= radians(10.0), "alpha_step_rad", self.alpha_step_rad, "0.1 to 10 deg"
+        )
+        require(0.005 <= self.rho_step_m <= 1.0, "rho_step_m", self.rho_step_m, "0.005 to 1")
+        require(self.rho_step_m < self.reach_m <= 100.0, "reach_m", self.reach_m, "rho_step_m to 100")
+        require(0.0 < self.cluster_fraction <= 1.0, "cluster_fraction", self.cluster_fraction, "(0, 1]")
+        require(self.min_support >= 3, "min_support", self.min_support, "3 and more")
+        require(0.0 < self.max_incidence_rad <= pi / 2, "max_incidence_rad", self.max_incidence_rad, "(0, pi/2]")
+        require(
+            0.0 < self.max_beam_incidence_rad <= pi / 2,
+            "max_beam_incidence_rad",
+            self.max_beam_incidence_rad,
+            "(0, pi/2]",
+        )
+        for name in ("keep_batches", "min_votes", "passes"):
+            require(getattr(self, name) >= 1, name, getattr(self, name), "1 and more")
+        for name in (
+            "line_distance_m",
+            "cluster_resolution_m",
+            "fit_distance_m",
+            "max_spread_m",
+            "max_tilt_rad",
+            "max_bend",
+        ):
+            require(getattr(self, name) > 0.0, name, getattr(self, name), "more than 0")
+        for name in ("chance_sigmas", "min_length_m", "slack", "contradiction_margin_m", "max_contradicted_fraction"):
+            require(getattr(self, name) >= 0.0, name, getattr(self, name), "0 and more")

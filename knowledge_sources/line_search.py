@@ -1,0 +1,200 @@
+"""From a batch of range readings to lines, by either method.
+
+Method "axis" is Bou-Ghannam 1992, section 5.2.3: steps 1 to 8, which are the functions of `hough`, `line_clusters` and
+`line_points` in that order, and no more. Method "tangent" takes an echo for what it is, heard somewhere in a cone (Tardos et al.
+2002), refits each line and asks for evidence; the thesis's points lie where the cones' axes end, which for most echoes is no wall.
+"""
+
+from dataclasses import dataclass
+from math import cos, pi, radians, sin
+
+import numpy as np
+
+from blackboard.messages.geometry import Point, wrap_angle
+from blackboard.messages.world import Line, PointSet
+from knowledge_sources.echoes import Array, Echoes, Index, Mask, beyond_lines, echoes_of, on_wall, points_on_axis
+from knowledge_sources.hough import HoughSpace, accumulate, cell_lines, chance_threshold, heaviest_nearby, heavy_cells
+from knowledge_sources.line_clusters import cluster_lines, mean_line
+from knowledge_sources.line_evidence import contradictions, proved_part
+from knowledge_sources.line_finder_params import LineFinderParams
+from knowledge_sources.line_fit import Fit, bend, refit
+from knowledge_sources.line_points import group, order, split_at_breaks
+
+PEAK_ALPHA_CELLS, PEAK_RHO_CELLS = 3, 1  # a wall's own votes outside its cell reach about so far
+LARGEST_TURN_RAD = radians(10.0)  # a refit that turns further has left its wall for another
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """A piece of a line, before it becomes a message."""
+
+    alpha_rad: float
+    rho_m: float  # signed, from the map's origin
+    start_m: float  # along the line
+    end_m: float
+    members: Index  # of the echoes
+    largest_m: float  # distance of a member from it
+
+
+def find_lines(points: PointSet, largest_gap_m: float, params: LineFinderParams) -> list[Line]:
+    """Return the lines of a batch, best supported cluster first; lines break where points are `largest_gap_m` apart."""
+    if points.points.shape[0] == 0:
+        return []
+    if params.method == "axis":
+        pieces = lines_of_points(points_on_axis(points), largest_gap_m, params)
+    else:
+        echoes = echoes_of(points, params.max_incidence_rad, params.max_beam_incidence_rad)
+        pieces = lines_of_echoes(echoes, largest_gap_m, params)
+    return [as_line(piece) for piece in pieces]
+
+
+def lines_of_points(points: Echoes, largest_gap_m: float, params: LineFinderParams) -> list[Piece]:
+    """Return the lines as the thesis has them: a point belongs to every line that it is near to."""
+    found = []
+    alpha, rho = clustered_lines(points, params)
+    for a, r in zip(alpha.tolist(), rho.tolist(), strict=True):
+        along, out = on_wall(points, a)
+        for members in split_at_breaks(along, order(along, group(out - r, params.line_distance_m)), largest_gap_m):
+            start, end = float(along[members[0]]), float(along[members[-1]])
+            if len(members) >= params.min_support and end - start >= params.min_length_m:
+                found.append(Piece(a, r, start, end, members, float(np.abs(out[members] - r).max())))
+    return found
+
+
+def lines_of_echoes(echoes: Echoes, largest_gap_m: float, params: LineFinderParams) -> list[Piece]:
+    """Return the walls that the echoes prove.
+
+    An echo supports one line only, the first that is proved with it: it has one source, and else every strong wall
+    would return once more from each cell beside its own.
+    """
+    found: list[Piece] = []
+    free = np.arange(len(echoes))
+    for _ in range(params.passes):
+        rest = echoes.take(free)
+        taken = np.zeros(len(free), dtype=bool)
+        alpha, rho = clustered_lines(rest, params)
+        # A wall faces its sensors, so each line is tried from both sides.
+        alpha, rho = np.stack([alpha, alpha + pi], axis=1).ravel(), np.stack([rho, -rho], axis=1).ravel()
+        beyond, possible = beyond_lines(rest, alpha, rho)
+        beyond[~possible] = np.inf
+        for a, r, distance in zip(alpha.tolist(), rho.tolist(), beyond, strict=True):
+            near = group(np.where(taken, np.inf, distance), params.line_distance_m)
+            if len(near) < params.min_support:
+                continue
+            along, _ = on_wall(rest.take(near), a)
+            for run in split_at_breaks(along, order(along, np.arange(len(near))), largest_gap_m):
+                members = near[run]
+                if len(members) < params.min_support or taken[members].any():
+                    continue
+                for piece in settle(rest, members, a, r, ~taken, largest_gap_m, params):
+                    against = contradictions(
+                        echoes,
+                        Fit(piece.alpha_rad, piece.rho_m, 0.0, 0.0),
+                        piece.start_m,
+                        piece.end_m,
+                        params.contradiction_margin_m,
+                        0.5,
+                    )
+                    if np.count_nonzero(against) <= params.max_contradicted_fraction * len(piece.members):
+                        taken[piece.members] = True
+                        found.append(piece)
+        free = free[~taken]
+        if not taken.any() or len(free) < params.min_support:
+            break
+    return found
+
+
+def clustered_lines(echoes: Echoes, params: LineFinderParams) -> tuple[Array, Array]:
+    """Return alpha and rho, about the map's origin, of the lines that many echoes vote for (steps 1 to 5), heaviest
+    first.
+
+    The middle of the sensors' places is the transform's origin: rho has no sign and a limit, so it must be near the
+    robot.
+    """
+    space = HoughSpace(
+        origin_x_m=float(echoes.x_m.mean()),
+        origin_y_m=float(echoes.y_m.mean()),
+        alpha_cells=2 * round(pi / params.alpha_step_rad),
+        rho_step_m=params.rho_step_m,
+        rho_cells=round(params.reach_m / params.rho_step_m),
+    )
+    votes = accumulate(echoes, space)
+    i, j = heavy_cells(votes, chance_threshold(votes, params.min_votes, params.chance_sigmas))
+    resolution_m = np.inf
+    if params.method == "tangent":
+        peaks = heaviest_nearby(votes, i, j, PEAK_ALPHA_CELLS, PEAK_RHO_CELLS)
+        i, j, resolution_m = i[peaks], j[peaks], params.cluster_resolution_m
+    alpha, rho = cell_lines(space, i, j)
+    weights = votes[i, j].astype(np.float64)
+    lever_m = space.rho_step_m / space.alpha_step_rad
+    centres, nearest = cluster_lines(alpha, rho, lever_m, params.cluster_fraction, resolution_m)
+    own = [nearest == k for k in range(len(centres))]
+    means = [
+        mean_line(alpha[own[k]], rho[own[k]], weights[own[k]], float(alpha[c]), float(rho[c]))
+        for k, c in enumerate(centres)
+    ]
+    heaviest_first = sorted(range(len(centres)), key=lambda k: -float(weights[own[k]].max()))
+    mean = np.array([means[k] for k in heaviest_first]).reshape(-1, 2)
+    shift = space.origin_x_m * np.cos(mean[:, 0]) + space.origin_y_m * np.sin(mean[:, 0])
+    return mean[:, 0], mean[:, 1] + shift
+
+
+def settle(
+    echoes: Echoes,
+    members: Index,
+    alpha_rad: float,
+    rho_m: float,
+    free: Mask,
+    largest_gap_m: float,
+    params: LineFinderParams,
+) -> list[Piece]:
+    """Return the pieces of wall that a run of a line's echoes comes to when it is fitted and its neighbours are asked anew."""
+    fit = refit(echoes.take(members), alpha_rad, rho_m, rounds=3)
+    if abs(wrap_angle(fit.alpha_rad - alpha_rad)) > LARGEST_TURN_RAD:
+        return []
+    beyond, possible = beyond_lines(echoes, np.array([fit.alpha_rad]), np.array([fit.rho_m]))
+    near = group(np.where(free & possible[0], beyond[0], np.inf), params.fit_distance_m)
+    along, _ = on_wall(echoes.take(near), fit.alpha_rad)
+    runs = split_at_breaks(along, order(along, np.arange(len(near))), largest_gap_m)
+    return straight_pieces(echoes, near[max(runs, key=len)], fit, params) if runs else []
+
+
+def straight_pieces(echoes: Echoes, members: Index, fit: Fit, params: LineFinderParams) -> list[Piece]:
+    """Return the piece of wall that these echoes prove, or its parts where it bends; none that is unsure or too short."""
+    if len(members) < params.min_support:
+        return []
+    own = echoes.take(members)
+    fit = refit(own, fit.alpha_rad, fit.rho_m, rounds=2)
+    along, out = on_wall(own, fit.alpha_rad)
+    by_place = order(along, np.arange(len(members)))
+    at, better = bend(along[by_place], out[by_place], params.min_support // 2)
+    if better > params.max_bend:
+        first, second = members[by_place[:at]], members[by_place[at:]]
+        return straight_pieces(echoes, first, fit, params) + straight_pieces(echoes, second, fit, params)
+    if fit.spread_m > params.max_spread_m or fit.tilt_rad > params.max_tilt_rad:
+        return []
+    start, end = proved_part(own, fit, params.slack)
+    if end - start < params.min_length_m:
+        return []
+    return [Piece(fit.alpha_rad, fit.rho_m, start, end, members, float(np.abs(out - fit.rho_m).max()))]
+
+
+def as_line(piece: Piece) -> Line:
+    """Return the message: rho not negative, and the end with the smaller x first, or the smaller y where the line is steep."""
+    cosine, sine = cos(piece.alpha_rad), sin(piece.alpha_rad)
+    start, end = (
+        Point(x_m=piece.rho_m * cosine - at * sine, y_m=piece.rho_m * sine + at * cosine)
+        for at in (piece.start_m, piece.end_m)
+    )
+    steep = abs(cosine) > abs(sine)
+    if (end.y_m < start.y_m) if steep else (end.x_m < start.x_m):
+        start, end = end, start
+    flipped = piece.rho_m < 0.0
+    return Line(
+        start=start,
+        end=end,
+        alpha_rad=wrap_angle(piece.alpha_rad + (pi if flipped else 0.0)),
+        rho_m=abs(piece.rho_m),
+        sigma_rho_m=piece.largest_m,
+        support=len(piece.members),
+    )
