@@ -1,0 +1,56 @@
+"""What the wheels tell of the way: the true motion with systematic and random errors."""
+
+from math import cos, sin, sqrt
+
+import numpy as np
+
+from blackboard.messages.geometry import Pose, wrap_angle
+from sim.sensor_models import OdometryModel
+
+
+def told_step(
+    before: Pose, after: Pose, distance_m: float, turn_rad: float, model: OdometryModel, rng: np.random.Generator
+) -> Pose:
+    """Return the wheels' account of one step, as a pose in the frame of the one before.
+
+    `distance_m` is the length of the way (not negative) and `turn_rad` the sum of turns without their sign; noise grows with
+    the root of both, so that it does not depend on how often one looks.
+    """
+    step = before.inverse() @ after
+    noise_distance, noise_heading, noise_turn = rng.standard_normal(3).tolist()
+    root = sqrt(distance_m)
+    turn = step.heading_rad * model.turn_scale
+    turn += (
+        model.drift_rad_per_m * distance_m
+        + model.heading_noise_rad * root * noise_heading
+        + model.turn_noise_rad * sqrt(turn_rad) * noise_turn
+    )
+    scale = model.distance_scale
+    if distance_m > 0.0:
+        scale += model.distance_noise_m * noise_distance / root
+    half_excess = (turn - step.heading_rad) / 2.0  # the chord of an arc turns by half of what the heading turns
+    c, s = cos(half_excess), sin(half_excess)
+    return Pose(
+        x_m=scale * (c * step.x_m - s * step.y_m),
+        y_m=scale * (s * step.x_m + c * step.y_m),
+        heading_rad=wrap_angle(turn),
+    )
+
+
+class Odometer:
+    """Adds up what the wheels tell. `model` None: the truth."""
+
+    def __init__(self, start: Pose, model: OdometryModel | None, rng: np.random.Generator) -> None:
+        self._model = model
+        self._rng = rng
+        self._true = start
+        self.pose = start
+
+    def read(self, true: Pose, distance_m: float, turn_rad: float) -> Pose:
+        """Return the odometry pose now that the robot has come to `true` over a way and a turn since the last call."""
+        if self._model is None:
+            self.pose = true
+        else:
+            self.pose = self.pose @ told_step(self._true, true, distance_m, turn_rad, self._model, self._rng)
+        self._true = true
+        return self.pose

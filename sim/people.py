@@ -1,0 +1,113 @@
+"""People who walk: along waypoints, with pauses, and with the manners that people have.
+
+A courteous person stops when the robot comes within an arm's length ahead, waits, and turns round when it does not give way. A
+person without manners walks until they touch. Neither ever stands inside the robot; nobody minds other people.
+"""
+
+from dataclasses import dataclass
+from math import hypot
+
+import numpy as np
+
+from blackboard.parameters import require
+
+ARM_M = 0.5  # a courteous person keeps this from the robot's surface to their own
+AHEAD_COSINE = 0.25  # the robot is in the way within 75 degrees of where one walks
+SKIN_M = 1e-4  # gap that stays when two bodies touch
+
+
+@dataclass(frozen=True)
+class Person:
+    """How somebody walks. A path that ends where it began is walked round and round, others there and back."""
+
+    path: tuple[tuple[float, ...], ...]  # (x m, y m) waypoints
+    name: str = ""
+    speed_mps: float = 0.8  # an easy indoor walk
+    pause_s: float = 2.0  # mean stay at a waypoint; each is 0.5 to 1.5 times it
+    radius_m: float = 0.25
+    patience_s: float = 4.0  # waits this long for the robot before turning round
+    courteous: bool = True
+
+    def __post_init__(self) -> None:
+        require(0.0 < self.speed_mps <= 3.0, "speed_mps", self.speed_mps, "(0, 3]")
+        require(0.0 <= self.pause_s <= 3600.0, "pause_s", self.pause_s, "[0, 3600]")
+        require(0.05 <= self.radius_m <= 1.0, "radius_m", self.radius_m, "[0.05, 1]")
+        require(0.0 <= self.patience_s <= 3600.0, "patience_s", self.patience_s, "[0, 3600]")
+        require(2 <= len(self.path) <= 1000, "number of waypoints in path", len(self.path), "[2, 1000]")
+
+    @property
+    def goes_round(self) -> bool:
+        return len(self.path) > 3 and self.path[0] == self.path[-1]
+
+
+class Walker:
+    """A person on the way."""
+
+    def __init__(self, person: Person, rng: np.random.Generator) -> None:
+        self.person = person
+        self._rng = rng
+        self.x_m, self.y_m = person.path[0]
+        self._from = 0  # index of the waypoint that was left
+        self._step = 1
+        self._pause_s = 0.0
+        self._waited_s = 0.0
+
+    @property
+    def waiting(self) -> bool:
+        """Say whether the robot is in the way."""
+        return self._waited_s > 0.0
+
+    def walk(self, dt_s: float, robot_x_m: float, robot_y_m: float, robot_radius_m: float) -> None:
+        """Let `dt_s` pass."""
+        if self._pause_s > 0.0:
+            self._pause_s -= dt_s
+            return
+        to_x, to_y = self._next()
+        dx, dy = to_x - self.x_m, to_y - self.y_m
+        left_m = hypot(dx, dy)
+        go_m = min(self.person.speed_mps * dt_s, left_m)
+        if left_m > 0.0:
+            dx, dy = dx / left_m, dy / left_m
+        if self._in_the_way(dx, dy, go_m, robot_x_m - self.x_m, robot_y_m - self.y_m, robot_radius_m):
+            self._waited_s += dt_s
+            if self._waited_s > self.person.patience_s:
+                self._turn_round()
+            return
+        self._waited_s = 0.0
+        self.x_m += go_m * dx
+        self.y_m += go_m * dy
+        if go_m >= left_m:
+            self._arrive()
+
+    def _in_the_way(
+        self, dx: float, dy: float, go_m: float, robot_dx: float, robot_dy: float, robot_radius_m: float
+    ) -> bool:
+        touching_m = robot_radius_m + self.person.radius_m
+        distance = hypot(robot_dx, robot_dy)
+        if distance > touching_m + ARM_M + go_m:
+            return False
+        after = hypot(robot_dx - go_m * dx, robot_dy - go_m * dy)
+        if after < touching_m + SKIN_M and after < distance:
+            return True
+        ahead = robot_dx * dx + robot_dy * dy > AHEAD_COSINE * distance
+        return self.person.courteous and ahead and distance < touching_m + ARM_M
+
+    def _next(self) -> tuple[float, ...]:
+        return self.person.path[self._from + self._step]
+
+    def _arrive(self) -> None:
+        path = self.person.path
+        self._from += self._step
+        if self.person.goes_round:
+            if self._step > 0 and self._from == len(path) - 1:
+                self._from = 0
+            elif self._step < 0 and self._from == 0:
+                self._from = len(path) - 1
+        elif not 0 <= self._from + self._step < len(path):
+            self._step = -self._step
+        self._pause_s = self.person.pause_s * float(self._rng.uniform(0.5, 1.5))
+
+    def _turn_round(self) -> None:
+        self._from += self._step  # now on the way back from the waypoint that was ahead
+        self._step = -self._step
+        self._waited_s = 0.0

@@ -1,0 +1,84 @@
+"""Robots in TOML: body, drive and sensors, and how each of them errs."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+from blackboard.errors import MissionError, did_you_mean
+from blackboard.messages.geometry import Pose, wrap_angle
+from blackboard.messages.sensing import LaserSensor, RobotDescription, SonarSensor
+from blackboard.parameters import parse_parameters
+from blackboard.toml_file import TomlFile, read_toml
+from sim.sensor_models import BatteryModel, Body, LaserModel, OdometryModel, SonarModel
+from sim.shipped import find_file
+
+T = TypeVar("T")
+
+TABLES = ("body", "odometry", "battery", "sonar", "laser")
+MAX_LASERS = 16
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """All that a robot's file says."""
+
+    body: Body
+    odometry: OdometryModel = field(default_factory=OdometryModel)
+    battery: BatteryModel = field(default_factory=BatteryModel)
+    sonar: SonarModel | None = None
+    lasers: tuple[LaserModel, ...] = ()
+
+    def description(self) -> RobotDescription:
+        """Return what the robot tells of itself: no word of its errors."""
+        sonar = self.sonar
+        return RobotDescription(
+            name=self.body.name,
+            radius_m=self.body.radius_m,
+            max_speed_mps=self.body.max_speed_mps,
+            max_turn_radps=self.body.max_turn_radps,
+            max_acceleration_mps2=self.body.max_acceleration_mps2,
+            sonars=()
+            if sonar is None
+            else tuple(
+                SonarSensor(mount=place, cone_rad=sonar.cone_rad, max_range_m=sonar.max_range_m)
+                for place in sonar.places()
+            ),
+            lasers=tuple(
+                LaserSensor(
+                    mount=Pose(x_m=laser.x_m, y_m=laser.y_m, heading_rad=wrap_angle(laser.heading_rad)),
+                    max_range_m=laser.max_range_m,
+                )
+                for laser in self.lasers
+            ),
+            bumper=self.body.bumper,
+        )
+
+
+def load_robot(name: Path) -> RobotModel:
+    """Return a shipped robot, or one from a file; raise MissionError where it is wrong."""
+    file = read_toml(find_file(name, "robots"))
+    for key in file.data:
+        if key not in TABLES:
+            place = file.place(key) if isinstance(file.data[key], dict | list) else file.place()
+            raise MissionError(f"{place.at(key)}: unknown table '{key}'{did_you_mean(key, TABLES)}")
+    if "body" not in file.data:
+        raise MissionError(f"{file.path}: table [body] is missing; add it")
+    lasers = file.data.get("laser", [])
+    if not isinstance(lasers, list) or not all(isinstance(laser, dict) for laser in lasers):
+        raise MissionError(f"{file.place().at('laser')}: write each laser as [[laser]]")
+    if len(lasers) > MAX_LASERS:
+        raise MissionError(f"{file.path}: {len(lasers)} lasers are over the limit of {MAX_LASERS}")
+    return RobotModel(
+        body=_part(Body, file, "body"),
+        odometry=_part(OdometryModel, file, "odometry"),
+        battery=_part(BatteryModel, file, "battery"),
+        sonar=_part(SonarModel, file, "sonar") if "sonar" in file.data else None,
+        lasers=tuple(parse_parameters(LaserModel, laser, file.place("laser", i)) for i, laser in enumerate(lasers)),
+    )
+
+
+def _part(type_: type[T], file: TomlFile, key: str) -> T:
+    table = file.data.get(key, {})
+    if not isinstance(table, dict):
+        raise MissionError(f"{file.place().at(key)}: write '{key}' as a table [{key}]")
+    return parse_parameters(type_, table, file.place(key))

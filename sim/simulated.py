@@ -1,0 +1,271 @@
+"""A simulated robot in a simulated world.
+
+Posts         observations/signal/odometry    Odometry   from the true start pose on: map and odometry frame agree at first
+              observations/signal/bumper      Bumper     when it changes
+              observations/signal/laser_scan  LaserScan
+              observations/signal/sonar_scan  SonarScan
+              observations/signal/battery     Battery
+
+Time goes in steps of 25 ms whatever steps are asked for, so that only the stamps of the commands matter. A sensor's
+latency delays when its reading comes, not its stamp.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import floor, inf, pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from blackboard.component import Reading, Robot, WorldTruth
+from blackboard.errors import MissionError
+from blackboard.kinds import BATTERY, BUMPER, LASER_SCAN, ODOMETRY, SONAR_SCAN
+from blackboard.messages.geometry import Pose, wrap_angle
+from blackboard.messages.motion import Drive
+from blackboard.messages.sensing import Battery, Bumper, LaserScan, Odometry, RobotDescription, SonarScan
+from blackboard.parameters import require
+from sim.drive import Base
+from sim.laser import laser_sweep, sweep_ranges
+from sim.odometer import Odometer
+from sim.people import Walker
+from sim.robot_file import load_robot
+from sim.ros_map import load_ros_map
+from sim.sensor_models import TICKS_PER_S
+from sim.shapes import Floats, Neighbourhood, Shapes
+from sim.shipped import find_file
+from sim.sonar import fire, sonar_fans, true_echoes
+from sim.world import World
+from sim.world_file import load_world_file
+
+
+@dataclass(frozen=True)
+class SimulatedRobotParams:
+    """Which robot, in which world, and what is true to life in it."""
+
+    world: Path = Path("lab")  # a shipped world, a world's .toml, or a ROS map's .yaml
+    robot: Path = Path("k2a")
+    people: bool = False  # those whom the world knows walk in it
+    odometry_errors: bool = True  # off: the wheels tell the truth
+    start_x_m: float | None = None  # together with start_y_m; else the world's start, else where there is most room
+    start_y_m: float | None = None
+    start_heading_rad: float | None = None
+
+    def __post_init__(self) -> None:
+        if (self.start_x_m is None) != (self.start_y_m is None):
+            raise MissionError("start_x_m and start_y_m belong together; give both or none")
+        if self.start_heading_rad is not None:
+            require(abs(self.start_heading_rad) <= 2 * pi, "start_heading_rad", self.start_heading_rad, "[-2 pi, 2 pi]")
+
+
+def load_world(name: Path) -> World:
+    """Return a shipped world, or one from a world file or a ROS map; raise MissionError where it is wrong."""
+    path = find_file(name, "worlds")
+    if path.suffix in (".yaml", ".yml"):
+        return load_ros_map(path)
+    if path.suffix == ".toml":
+        return load_world_file(path)
+    raise MissionError(f"world file '{path}' is neither a world (.toml) nor a ROS map (.yaml)")
+
+
+class SimulatedRobot(Robot[SimulatedRobotParams]):
+    """Drives, touches, senses and errs as the robot's file says."""
+
+    Params = SimulatedRobotParams
+
+    def __init__(self, params: SimulatedRobotParams, *, name: str, seed: int = 0) -> None:
+        super().__init__(params, name=name, seed=seed)
+        self._model = load_robot(params.robot)
+        self._world = load_world(params.world)
+        self._description = self._model.description()
+        self._start = self._start_pose()
+        self._entropy = int(self.rng.integers(2**62))
+        model = self._model
+        self.provides = tuple(
+            kind
+            for kind, present in (
+                (ODOMETRY, True),
+                (BUMPER, model.body.bumper),
+                (LASER_SCAN, bool(model.lasers)),
+                (SONAR_SCAN, model.sonar is not None),
+                (BATTERY, True),
+            )
+            if present
+        )
+        self._fans = None if model.sonar is None else sonar_fans(model.sonar)
+        self._sweeps = [laser_sweep(laser) for laser in model.lasers]
+        self.reset()
+
+    @property
+    def description(self) -> RobotDescription:
+        return self._description
+
+    def reset(self) -> None:
+        """Begin anew: the same again."""
+        model, shapes = self._model, self._world.shapes
+        errors = model.odometry if self.params.odometry_errors else None
+        self._base = Base(model.body, shapes, self._start)
+        self._odometer = Odometer(self._start, errors, self._random(0))
+        self._sonar_rng, self._laser_rng = self._random(1), self._random(2)
+        people = self._world.people if self.params.people else ()
+        self._walkers = [Walker(person, self._random(10 + i)) for i, person in enumerate(people)]
+        reach = max(
+            [0.0, *(s.max_range_m for s in self._description.sonars), *(laser.max_range_m for laser in model.lasers)]
+        )
+        self._sensed = Neighbourhood(shapes, reach + model.body.radius_m)
+        self._tick = -1
+        self._due: dict[tuple[str, int], int] = {}
+        self._late: list[tuple[int, Reading[Any]]] = []
+        self._wanted = (0.0, 0.0)
+        self._told_way_m = self._told_turn_rad = 0.0
+        self._bumper: tuple[float, ...] | None = None
+        self._charge_fraction = 1.0
+        self._echoes_lost = self._cross_talk = 0
+
+    def drive(self, command: Drive) -> None:
+        self._wanted = (command.forward_mps, command.turn_radps)
+
+    def advance(self, until_s: float) -> Iterator[Reading[Any]]:
+        readings: list[Reading[Any]] = []
+        for tick in range(self._tick + 1, floor(until_s * TICKS_PER_S + 1e-6) + 1):
+            self._tick = tick
+            if tick:
+                self._move()
+            self._sense(tick, readings)
+        return iter(readings)
+
+    def true_pose(self) -> Pose:
+        return self._base.pose
+
+    def people_at(self) -> list[tuple[float, float, float]]:
+        """Return where people stand, for pictures and scores: x m, y m, radius m."""
+        return [(w.x_m, w.y_m, w.person.radius_m) for w in self._walkers]
+
+    def truth(self) -> WorldTruth:
+        return self._world.truth()
+
+    def summary(self) -> dict[str, float | int | str]:
+        contacts = self._base.contacts
+        return {
+            "distance_m": round(self._base.distance_m, 3),
+            "collisions": contacts.caused,
+            "touched_by_others": contacts.by_others,
+            "sonar_echoes_lost": self._echoes_lost,
+            "sonar_cross_talk": self._cross_talk,
+        }
+
+    def _start_pose(self) -> Pose:
+        params, heading = self.params, self.params.start_heading_rad
+        wanted = None
+        if params.start_x_m is not None and params.start_y_m is not None:
+            wanted = Pose(x_m=params.start_x_m, y_m=params.start_y_m, heading_rad=0.0)
+        pose = self._world.start_pose(wanted, self._model.body.radius_m)
+        if heading is not None:
+            pose = Pose(x_m=pose.x_m, y_m=pose.y_m, heading_rad=wrap_angle(heading))
+        for number, person in enumerate(self._world.people if params.people else (), 1):
+            away_m = pose.distance_m(Pose(x_m=person.path[0][0], y_m=person.path[0][1], heading_rad=0.0))
+            if away_m < self._model.body.radius_m + person.radius_m + 0.01:
+                raise MissionError(
+                    f"{self._world.name}: [[person]] {number} starts where the robot starts; move one of them"
+                )
+        return pose
+
+    def _random(self, stream: int) -> np.random.Generator:
+        """Return random numbers of their own for a part, so that one part's draws change no other's."""
+        return np.random.default_rng([self._entropy, stream])
+
+    def _move(self) -> None:
+        base, body = self._base, self._model.body
+        dt = 1.0 / TICKS_PER_S
+        for walker in self._walkers:
+            walker.walk(dt, base.x_m, base.y_m, body.radius_m)
+        forward, turn = self._wanted if self._charge_fraction > 0.0 else (0.0, 0.0)
+        base.step(dt, forward, turn, self._walkers)
+
+    def _sense(self, tick: int, readings: list[Reading[Any]]) -> None:
+        """Append what comes now: what was delayed, then odometry, bumper, lasers, sonars, battery."""
+        stamp_s = tick / TICKS_PER_S
+        model = self._model
+        if self._late:
+            readings += [reading for due, reading in self._late if due <= tick]
+            self._late = [(due, reading) for due, reading in self._late if due > tick]
+        if self._is_due("odometry", 0, model.odometry.rate_hz, tick):
+            self._give(readings, Reading(ODOMETRY, stamp_s, self._read_odometry()), model.odometry.latency_s)
+        if model.body.bumper:
+            touched = self._read_bumper()
+            if touched != self._bumper:
+                self._bumper = touched
+                readings.append(Reading(BUMPER, stamp_s, Bumper(bearings_rad=touched)))
+        sensed: Shapes | None = None
+        for number, laser in enumerate(model.lasers):
+            if self._is_due("laser", number, laser.rate_hz, tick):
+                sensed = sensed or self._surroundings()
+                self._give(readings, Reading(LASER_SCAN, stamp_s, self._read_laser(number, sensed)), laser.latency_s)
+        if model.sonar is not None and self._is_due("sonar", 0, model.sonar.rate_hz, tick):
+            sensed = sensed or self._surroundings()
+            self._give(readings, Reading(SONAR_SCAN, stamp_s, self._read_sonar(sensed)), model.sonar.latency_s)
+        if self._is_due("battery", 0, model.battery.rate_hz, tick):
+            used = stamp_s / model.battery.standing_s + self._base.distance_m / model.battery.driving_m
+            self._charge_fraction = max(0.0, 1.0 - used)
+            readings.append(Reading(BATTERY, stamp_s, Battery(charge_fraction=round(self._charge_fraction, 5))))
+
+    def _is_due(self, sensor: str, number: int, rate_hz: float, tick: int) -> bool:
+        """Say whether a sensor's next reading is due, and count it."""
+        count = self._due.get((sensor, number), 0)
+        if tick < round(count * TICKS_PER_S / rate_hz):
+            return False
+        self._due[(sensor, number)] = count + 1
+        return True
+
+    def _give(self, readings: list[Reading[Any]], reading: Reading[Any], latency_s: float) -> None:
+        if latency_s > 0.0:
+            self._late.append((self._tick + round(latency_s * TICKS_PER_S), reading))
+        else:
+            readings.append(reading)
+
+    def _surroundings(self) -> Shapes:
+        shapes = self._sensed.at(self._base.x_m, self._base.y_m)
+        return shapes.with_circles(np.array(self.people_at())) if self._walkers else shapes
+
+    def _read_odometry(self) -> Odometry:
+        base = self._base
+        way, turn = base.distance_m - self._told_way_m, base.turned_rad - self._told_turn_rad
+        self._told_way_m, self._told_turn_rad = base.distance_m, base.turned_rad
+        return Odometry(
+            pose=self._odometer.read(base.pose, way, turn), forward_mps=base.forward_mps, turn_radps=base.turn_radps
+        )
+
+    def _read_bumper(self) -> tuple[float, ...]:
+        """Return the switches that are pressed, by their bearings in the robot frame."""
+        contacts = self._base.contacts.bearings_rad
+        if not contacts:
+            return ()
+        step = self._model.body.bumper_step_rad
+        return tuple(
+            sorted({wrap_angle(step * round(wrap_angle(b - self._base.heading_rad) / step)) for b in contacts})
+        )
+
+    def _read_laser(self, number: int, shapes: Shapes) -> LaserScan:
+        base, sweep = self._base, self._sweeps[number]
+        ranges = sweep_ranges(
+            sweep, base.x_m, base.y_m, base.heading_rad, shapes, self._model.lasers[number], self._laser_rng
+        )
+        return LaserScan(
+            laser=number, angle_min_rad=sweep.first_rad, angle_step_rad=sweep.fans.step_rad, ranges_m=_told(ranges)
+        )
+
+    def _read_sonar(self, shapes: Shapes) -> SonarScan:
+        base, model, fans = self._base, self._model.sonar, self._fans
+        assert model is not None
+        assert fans is not None
+        here = fans.moved(base.x_m, base.y_m, base.heading_rad)
+        echo, nearest = true_echoes(here, shapes, model.critical_incidence_rad)
+        echoes = fire(echo, nearest, model, self._sonar_rng)
+        self._echoes_lost += int(echoes.lost.sum())
+        self._cross_talk += int(echoes.cross_talk.sum())
+        return SonarScan(sensors=tuple(range(len(echo))), ranges_m=_told(echoes.ranges_m))
+
+
+def _told(ranges_m: Floats) -> tuple[float | None, ...]:
+    """Return ranges as they are told: to the millimetre, None for no echo."""
+    return tuple(None if r == inf else r for r in np.round(ranges_m, 3).tolist())

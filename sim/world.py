@@ -1,0 +1,101 @@
+"""A world: the floor, what stands on it, who walks there, and where the robot starts."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import polylabel
+
+from blackboard.component import WorldTruth
+from blackboard.errors import MissionError
+from blackboard.messages.geometry import Pose
+from sim.people import Person
+from sim.shapes import Bools, Floats, Shapes, shapes_around
+
+FAR_M = 1000.0  # no world reaches further from its origin
+OUTER_WALL_M = 0.15  # the floor ends in walls of this thickness
+PRECISION_M = 1e-6  # corners are put on this raster, so that things that touch do so exactly
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class World:
+    """Metres, map frame. Circles stand apart from `free`, the floor less all other things, since rays meet them as circles."""
+
+    name: str
+    floor: BaseGeometry
+    free: BaseGeometry
+    circles: Floats  # (c, 3): x, y, radius
+    shapes: Shapes
+    people: tuple[Person, ...] = ()
+    start: Pose | None = None
+
+    def truth(self) -> WorldTruth:
+        """Return what stands still, the walls round the floor included, and the floor."""
+        outside = self.floor.buffer(OUTER_WALL_M, join_style="mitre")
+        return WorldTruth(solid=outside.difference(self.open_floor()), floor=self.floor)
+
+    def open_floor(self) -> BaseGeometry:
+        """Return the floor on which nothing stands."""
+        if not len(self.circles):
+            return self.free
+        round_things = shapely.buffer(shapely.points(self.circles[:, :2]), self.circles[:, 2], quad_segs=16)
+        return self.free.difference(shapely.union_all(round_things))
+
+    def start_pose(self, wanted: Pose | None, radius_m: float) -> Pose:
+        """Return where a robot of this radius starts: where it is wanted, where the world says, or where there is most room.
+
+        Raises MissionError where it does not fit.
+        """
+        pose = wanted or self.start or free_place(self.open_floor(), self.floor)
+        here = shapely.Point(pose.x_m, pose.y_m)
+        place = f"{self.name}: a robot of radius {radius_m:g} m at ({pose.x_m:g}, {pose.y_m:g})"
+        if not self.floor.contains(here):
+            raise MissionError(f"{place} starts outside the floor; move its start{self._hint(radius_m)}")
+        distance = self.shapes.distances_m(pose.x_m, pose.y_m)[0]
+        gap = float(distance.min(initial=np.inf))
+        if gap < 0.0 or not self.free.contains(here):
+            raise MissionError(f"{place} starts inside a wall or a thing; move its start{self._hint(radius_m)}")
+        if gap < radius_m + 1e-3:
+            raise MissionError(f"{place} touches what is {gap:.3f} m away; move its start{self._hint(radius_m)}")
+        return pose
+
+    def _hint(self, radius_m: float) -> str:
+        """Name a place where the robot fits."""
+        pose = free_place(self.open_floor(), self.floor)
+        distance = self.shapes.distances_m(pose.x_m, pose.y_m)[0]
+        if float(distance.min(initial=np.inf)) < radius_m + 1e-3:
+            return " (no place in this world is wide enough)"
+        return f", for example to ({pose.x_m:.2f}, {pose.y_m:.2f})"
+
+
+def make_world(
+    name: str,
+    *,
+    floor: BaseGeometry,
+    free: BaseGeometry,
+    rough_things: BaseGeometry,
+    circles: Floats,
+    circle_rough: Bools,
+    people: tuple[Person, ...] = (),
+    start: Pose | None = None,
+) -> World:
+    """Return a world whose walls are the boundary of `free`; raise MissionError if no floor is left."""
+    if free.is_empty or free.area < 1e-4:
+        raise MissionError(f"{name}: no floor is free; take things away or make the floor larger")
+    shapes = shapes_around(free, rough_things, circles, circle_rough)
+    return World(name=name, floor=floor, free=free, circles=circles, shapes=shapes, people=people, start=start)
+
+
+def free_place(open_floor: BaseGeometry, floor: BaseGeometry) -> Pose:
+    """Return the place with most room, of the parts that walls enclose if there are any."""
+    parts = shapely.get_parts(open_floor)
+    rim = floor.boundary
+    enclosed = [part for part in parts if not _touches_rim(part, rim)]
+    places = [polylabel(part, tolerance=0.02) for part in enclosed or list(parts)]
+    best = max(places, key=lambda place: float(open_floor.boundary.distance(place)))
+    return Pose(x_m=round(best.x, 3), y_m=round(best.y, 3), heading_rad=0.0)
+
+
+def _touches_rim(part: BaseGeometry, rim: BaseGeometry) -> bool:
+    return bool(part.boundary.intersection(rim).length > 1e-6)

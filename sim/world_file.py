@@ -1,0 +1,231 @@
+"""Worlds in TOML: a floor, walls, polygons, boxes, circles, people, and where the robot starts."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import cos, pi, sin
+from pathlib import Path
+from typing import Literal, TypeVar
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from blackboard.errors import MissionError, did_you_mean
+from blackboard.messages.geometry import Pose, wrap_angle
+from blackboard.parameters import parse_parameters, require
+from blackboard.toml_file import Place, TomlFile, read_toml
+from sim.people import Person
+from sim.shapes import Bools, Floats
+from sim.world import FAR_M, PRECISION_M, World, make_world
+
+Surface = Literal["smooth", "rough"]
+Points = tuple[tuple[float, ...], ...]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Floor:
+    """The outline of the floor: its edge is a wall."""
+
+    outline: Points
+    surface: Surface = "smooth"
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where the robot starts."""
+
+    x_m: float
+    y_m: float
+    heading_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        for key in ("x_m", "y_m"):
+            require(abs(getattr(self, key)) <= FAR_M, key, getattr(self, key), f"[-{FAR_M:g}, {FAR_M:g}]")
+        require(abs(self.heading_rad) <= 2 * pi, "heading_rad", self.heading_rad, "[-2 pi, 2 pi]")
+
+    def pose(self) -> Pose:
+        return Pose(x_m=self.x_m, y_m=self.y_m, heading_rad=wrap_angle(self.heading_rad))
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall along a line; one that ends where it began is closed."""
+
+    line: Points
+    name: str = ""
+    thickness_m: float = 0.02  # a thin partition
+    surface: Surface = "smooth"
+
+    def __post_init__(self) -> None:
+        require(0.001 <= self.thickness_m <= 10.0, "thickness_m", self.thickness_m, "[0.001, 10]")
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """A solid thing: cabinet, table, pillar."""
+
+    outline: Points
+    name: str = ""
+    surface: Surface = "smooth"
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle, turned by its heading about its centre."""
+
+    centre: tuple[float, ...]
+    size: tuple[float, ...]
+    name: str = ""
+    heading_rad: float = 0.0
+    surface: Surface = "smooth"
+
+
+@dataclass(frozen=True)
+class Circle:
+    """Round things of one radius: drums, pillars, the legs of a chair."""
+
+    centres: Points
+    radius_m: float
+    name: str = ""
+    surface: Surface = "smooth"
+
+    def __post_init__(self) -> None:
+        require(0.005 <= self.radius_m <= 100.0, "radius_m", self.radius_m, "[0.005, 100]")
+
+
+TABLES = ("floor", "start")
+LISTS = ("wall", "polygon", "box", "circle", "person")
+KEYS = ("title", *TABLES, *LISTS)
+
+
+def load_world_file(path: Path) -> World:
+    """Return the world of a TOML file; raise MissionError naming file, line and key where it is wrong."""
+    file = read_toml(path)
+    _check_keys(file)
+    floor_table = parse_parameters(Floor, file.data["floor"], file.place("floor"))
+    floor = _area(floor_table.outline, "outline", file.place("floor"))
+    smooth: list[BaseGeometry] = []
+    rough = [floor.boundary.buffer(PRECISION_M)] if floor_table.surface == "rough" else []
+    for thing, surface in _things(file):
+        (rough if surface == "rough" else smooth).append(thing)
+    circles, circle_rough = _circles(file)
+    start = parse_parameters(Start, file.data["start"], file.place("start")) if "start" in file.data else None
+    people = tuple(_people(file))
+    world = make_world(
+        str(path),
+        floor=floor,
+        free=shapely.difference(
+            floor, shapely.union_all([*smooth, *rough], grid_size=PRECISION_M), grid_size=PRECISION_M
+        ),
+        rough_things=shapely.union_all(rough),
+        circles=circles,
+        circle_rough=circle_rough,
+        people=people,
+        start=None if start is None else start.pose(),
+    )
+    _check_ways(world, file)
+    return world
+
+
+def _check_keys(file: TomlFile) -> None:
+    """Refuse top-level keys that are unknown or not of the right form."""
+    for key, value in file.data.items():
+        if key not in KEYS:
+            place = file.place(key) if isinstance(value, dict | list) else file.place()
+            raise MissionError(f"{place.at(key)}: unknown key '{key}'{did_you_mean(key, KEYS)}")
+        if key in TABLES and not isinstance(value, dict):
+            raise MissionError(f"{file.place().at(key)}: write '{key}' as a table [{key}]")
+        if key in LISTS and not (isinstance(value, list) and all(isinstance(entry, dict) for entry in value)):
+            place = file.place(key) if isinstance(value, dict) else file.place()
+            raise MissionError(f"{place.at(key)}: write each {key} as [[{key}]]")
+    if not isinstance(file.data.get("title", ""), str):
+        raise MissionError(f"{file.place().at('title')}: title = {file.data['title']!r} must be text in quotes")
+    if "floor" not in file.data:
+        raise MissionError(f"{file.path}: table [floor] with its outline is missing; add it")
+
+
+def _things(file: TomlFile) -> Iterator[tuple[BaseGeometry, Surface]]:
+    """Yield everything that stands there and is no circle."""
+    for wall, place in _entries(Wall, file, "wall"):
+        line = _points(wall.line, "line", place, 2)
+        closed = len(line) > 3 and line[0] == line[-1]
+        shape = shapely.LinearRing(line) if closed else shapely.LineString(line)
+        if shape.length < PRECISION_M:
+            raise MissionError(f"{place.at('line')}: line has no length; give two different points")
+        yield shape.buffer(wall.thickness_m / 2.0, cap_style="flat", join_style="mitre"), wall.surface
+    for polygon, place in _entries(Polygon, file, "polygon"):
+        yield _area(polygon.outline, "outline", place), polygon.surface
+    for box, place in _entries(Box, file, "box"):
+        ((x, y),) = _points((box.centre,), "centre", place, 1)
+        ((width, depth),) = _points((box.size,), "size", place, 1)
+        if width <= 0.0 or depth <= 0.0:
+            raise MissionError(f"{place.at('size')}: size = {[width, depth]} must be two positive lengths in metres")
+        c, s = cos(box.heading_rad), sin(box.heading_rad)
+        corners = [(a * width / 2, b * depth / 2) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        yield shapely.Polygon([(x + c * a - s * b, y + s * a + c * b) for a, b in corners]), box.surface
+
+
+def _circles(file: TomlFile) -> tuple[Floats, Bools]:
+    rows, rough = [], []
+    for circle, place in _entries(Circle, file, "circle"):
+        for x, y in _points(circle.centres, "centres", place, 1):
+            rows.append((x, y, circle.radius_m))
+            rough.append(circle.surface == "rough")
+    return np.array(rows, dtype=float).reshape(-1, 3), np.array(rough, dtype=bool)
+
+
+def _people(file: TomlFile) -> Iterator[Person]:
+    for person, place in _entries(Person, file, "person"):
+        _points(person.path, "path", place, 2)
+        yield person
+
+
+def _check_ways(world: World, file: TomlFile) -> None:
+    """Refuse people who would walk through walls."""
+    open_floor = world.open_floor()
+    for index, person in enumerate(world.people):
+        for a, b in pairwise(person.path):
+            way = shapely.LineString((a, b)).buffer(person.radius_m * 0.99)  # brushing along a wall is no fault
+            if not open_floor.covers(way):
+                stretch = f"between {list(a)} and {list(b)}"
+                where = file.place("person", index).at("path")
+                raise MissionError(f"{where}: path goes through a wall or a thing {stretch}; move it")
+
+
+def _entries(type_: type[T], file: TomlFile, key: str) -> Iterator[tuple[T, Place]]:
+    """Yield each [[key]] of the file as a record, with its place for messages."""
+    for index, entry in enumerate(file.data.get(key, [])):
+        place = file.place(key, index)
+        yield parse_parameters(type_, entry, place), place
+
+
+def _points(points: Sequence[Sequence[float]], key: str, place: Place, least: int) -> list[tuple[float, float]]:
+    """Return points as pairs; raise MissionError where one is no pair, too far away, or there are too few."""
+    if len(points) < least:
+        raise MissionError(f"{place.at(key)}: {key} has {len(points)} points, it needs at least {least}")
+    for point in points:
+        if len(point) != 2:
+            raise MissionError(f"{place.at(key)}: {key}: {list(point)} must be a pair [x, y] in metres")
+        if max(abs(point[0]), abs(point[1])) > FAR_M:
+            raise MissionError(f"{place.at(key)}: {key}: {list(point)} is outside [-{FAR_M:g}, {FAR_M:g}] m")
+    return [(x, y) for x, y in points]
+
+
+def _area(outline: Points, key: str, place: Place) -> BaseGeometry:
+    """Return a closed outline as a polygon; raise MissionError where it is open, crosses itself or has no area."""
+    points = _points(outline, key, place, 1)
+    if points[0] != points[-1]:
+        ends = f"it starts at {list(points[0])} and ends at {list(points[-1])}"
+        raise MissionError(f"{place.at(key)}: {key} is open: {ends}; repeat the first point at the end")
+    if len(set(points)) < 3:
+        raise MissionError(f"{place.at(key)}: {key} has {len(set(points))} corners, it needs at least 3")
+    polygon = shapely.Polygon(points)
+    if not polygon.is_valid:
+        reason = shapely.is_valid_reason(polygon)  # ends in [x y]
+        at = ", ".join(reason[reason.find("[") + 1 : -1].split())
+        raise MissionError(f"{place.at(key)}: {key} crosses or touches itself at ({at}); reorder its corners")
+    if polygon.area < 1e-6:
+        raise MissionError(f"{place.at(key)}: {key} encloses no area; check its corners")
+    return polygon
