@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from blackboard.command.main import EXIT_INTERRUPTED
-from blackboard.errors import MissionError
+from blackboard.errors import ComponentFailed, MissionError
 from blackboard.grid import Grid
 from blackboard.journal import FILE_NAME, JournalWriter
 from blackboard.kinds import COMPONENT, GRID, LINE
@@ -49,7 +49,7 @@ def execute(mission: Mission, options: argparse.Namespace) -> int:
     folder = Path(options.out) if options.out is not None else _new_folder(mission.name)
     run = Run(mission, RunOptions(seed=options.seed, strict=options.strict))
     prepare_output_folder(folder, options.force)
-    interrupted = False
+    interrupted, failure = False, None
     with JournalWriter(folder / FILE_NAME) as journal:
         run.board.journal = journal
         try:
@@ -57,8 +57,12 @@ def execute(mission: Mission, options: argparse.Namespace) -> int:
         except KeyboardInterrupt:
             interrupted = True
             run.control.finish()
+        except ComponentFailed as error:  # under --strict
+            failure = error
     result = gather(run)
     write_results(result, folder)
+    if failure is not None:
+        raise failure
     for entry in run.board.entries(COMPONENT):
         if entry.value.state == "failed":
             on = f" on {entry.value.trigger_key}" if entry.value.trigger_key else ""
