@@ -24,7 +24,6 @@ LINE_M = 0.05  # a line lies on a wall within this distance ...
 LINE_RAD = np.deg2rad(3.0)  # ... and this angle
 SAMPLE_M = 0.05  # walls and lines are compared piece by piece, each no longer than this
 MIN_WALL_M = 0.5  # no shorter straight edge is asked for: a sonar hears it as a point
-BATCH = 2_000_000  # pairs compared at once, to bound the memory
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,20 +159,13 @@ def _covered(
 ) -> npt.NDArray[np.bool_]:
     """Return which points (n, 2) lie within LINE_M of a segment whose direction is within LINE_RAD of theirs."""
     covered = np.zeros(len(points), dtype=np.bool_)
-    if not len(ends):
-        return covered
-    spans = ends[:, 2:] - ends[:, :2]
-    squares = (spans**2).sum(axis=1)
-    step = max(1, BATCH // len(ends))
-    for first in range(0, len(points), step):
-        chosen = slice(first, first + step)
-        offsets = points[chosen, None] - ends[None, :, :2]  # (n, m, 2)
-        along = np.clip((offsets * spans).sum(axis=2) / squares, 0.0, 1.0)
-        apart = offsets - along[..., None] * spans
-        near = (apart**2).sum(axis=2) <= (LINE_M + 1e-9) ** 2
-        sine = directions[chosen, None, 0] * spans[:, 1] - directions[chosen, None, 1] * spans[:, 0]
-        parallel = np.abs(sine) <= np.sqrt(squares) * np.sin(LINE_RAD + 1e-9)
-        covered[chosen] = (near & parallel).any(axis=1)
+    tree = shapely.STRtree(shapely.points(points))
+    drawn = shapely.linestrings(ends.reshape(-1, 2, 2))
+    end, point = tree.query(drawn, predicate="dwithin", distance=LINE_M + 1e-9)  # every pair that is near, (k,) each
+    spans = ends[end, 2:] - ends[end, :2]
+    sine = directions[point, 0] * spans[:, 1] - directions[point, 1] * spans[:, 0]
+    parallel = np.abs(sine) <= np.hypot(spans[:, 0], spans[:, 1]) * np.sin(LINE_RAD + 1e-9)
+    covered[point[parallel]] = True
     return covered
 
 

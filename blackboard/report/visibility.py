@@ -22,41 +22,51 @@ def visible(
     samples: Samples, edges: Segments, positions: npt.NDArray[np.float64], range_m: float
 ) -> npt.NDArray[np.bool_]:
     """Return which samples of `edges` some position sees. The robot looks all around; an edge is seen from its left only."""
-    seen = np.zeros(len(samples.points), dtype=np.bool_)
+    unseen = np.arange(len(samples.points))
+    blocker = np.zeros(len(unseen), dtype=np.int64)  # the edge that hid each sample last is likely to hide it again
+    along = edges[:, 2:] - edges[:, :2]
     for position in positions:
-        rays = samples.points - position
-        candidates = np.flatnonzero(
-            ~seen & ((rays**2).sum(axis=1) <= range_m**2) & (_cross(samples.directions, -rays) > 0)
-        )
-        if not len(candidates):
-            continue
+        if not len(unseen):
+            break
+        rays = samples.points[unseen] - position
+        tried = (np.hypot(rays[:, 0], rays[:, 1]) <= range_m) & (_cross(samples.directions[unseen], rays) < 0)
         starts = edges[:, :2] - position
-        along = edges[:, 2:] - edges[:, :2]
-        facing = (_cross(along, -starts) > 0) & (_distance(starts, along) <= range_m)
-        seen[candidates] = ~_hidden(rays[candidates], starts[facing], along[facing])
+        faces = _cross(along, starts) < 0
+        last = blocker[unseen[tried]]
+        tried[tried] = ~(_meet(rays[tried], starts[last], along[last]) & faces[last])
+        if not tried.any():
+            continue
+        facing = np.flatnonzero(faces & (_distance(starts, along) <= range_m))
+        meets = _meet(rays[tried][:, None], starts[facing], along[facing])  # (n, m)
+        hidden = meets.any(axis=1)
+        chosen = np.flatnonzero(tried)
+        if hidden.any():
+            blocker[unseen[chosen[hidden]]] = facing[meets[hidden].argmax(axis=1)]
+        unseen = np.delete(unseen, chosen[~hidden])
+    seen = np.ones(len(samples.points), dtype=np.bool_)
+    seen[unseen] = False
     return seen
 
 
-def _hidden(
+def _meet(
     rays: npt.NDArray[np.float64], starts: npt.NDArray[np.float64], along: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.bool_]:
-    """Return which rays (n, 2) from the origin meet an edge (m, 2), (m, 2) before their end.
+    """Return which rays from the origin meet which edges before their own end, by broadcasting.
 
     With ray t r and edge s + u e: t = (s x e) / (r x e), u = (s x r) / (r x e).
     """
-    across = _cross(rays[:, None], along[None])  # (n, m)
+    across = _cross(rays, along)
     parallel = np.abs(across) < 1e-12
     across = np.where(parallel, 1.0, across)
-    t = _cross(starts, along)[None] / across
-    u = _cross(starts[None], rays[:, None]) / across
-    end = 1.0 - TOUCH_M / np.hypot(rays[:, 0], rays[:, 1])
-    meets = ~parallel & (t > 0) & (t < end[:, None]) & (u >= -1e-9) & (u <= 1.0 + 1e-9)
-    return np.asarray(meets.any(axis=1))
+    t = _cross(starts, along) / across
+    u = _cross(starts, rays) / across
+    end = 1.0 - TOUCH_M / np.maximum(np.hypot(rays[..., 0], rays[..., 1]), TOUCH_M)
+    return np.asarray(~parallel & (t > 0) & (t < end) & (u >= -1e-9) & (u <= 1.0 + 1e-9))
 
 
 def _distance(starts: npt.NDArray[np.float64], along: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return how far the edges lie from the origin."""
-    u = np.clip(-(starts * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    u = np.clip(-np.einsum("ij,ij->i", starts, along) / np.einsum("ij,ij->i", along, along), 0.0, 1.0)
     nearest = starts + u[:, None] * along
     return np.asarray(np.hypot(nearest[:, 0], nearest[:, 1]))
 
