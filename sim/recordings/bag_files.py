@@ -58,7 +58,7 @@ def _damaged(path: Path, error: Exception) -> RecordingError:
 def _readable(path: Path, scratch: Path) -> Path:
     """Return a path under which rosbags knows the bag for what it is."""
     if path.is_dir():
-        return path
+        return _linked(path, scratch / "recording") if path.suffix == ".bag" else path
     with path.open("rb") as file:
         head = file.read(HEAD_BYTES)
     if head.startswith(ZIP_MAGIC):
@@ -68,7 +68,10 @@ def _readable(path: Path, scratch: Path) -> Path:
     suffix = bag_suffix(head)
     if suffix is None or path.suffix == suffix:
         return path
-    link = scratch / f"recording{suffix}"
+    return _linked(path, scratch / f"recording{suffix}")
+
+
+def _linked(path: Path, link: Path) -> Path:
     link.symlink_to(path.resolve())
     return link
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from math import isfinite, pi
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,11 @@ from blackboard.messages.geometry import Pose
 from blackboard.messages.sensing import MAX_BEAMS, Odometry, SonarSensor
 from sim.recordings.cones import Fan
 from sim.recordings.frames import yaw_of
+from sim.recordings.ranges import DECIMALS
 from sim.recordings.recording import Echoes, Heard
 
+LITTLE_HEADER, BIG_HEADER = Struct("<III"), Struct(">III")  # seconds, nanoseconds, length of the frame
+HEADER_BYTES = 16
 TOGETHER_S = 0.005  # ranges no further apart than this were heard together
 NARROW_RAD = pi / 180  # the cone of a range sensor that calls itself a ray
 MAX_RANGE_M = 1000.0
@@ -25,13 +29,15 @@ def stamp_and_frame(raw: bytes, *, ros2: bool) -> tuple[float, str]:
     In ROS 1 the header is sequence, seconds, nanoseconds, frame; in ROS 2 four bytes of encapsulation stand in the place of the
     sequence, the second of which tells the byte order. Raises ValueError where the message is too short.
     """
-    order: Any = "big" if ros2 and not raw[1] & 1 else "little"
-    seconds = int.from_bytes(raw[4:8], order)
-    nanoseconds = int.from_bytes(raw[8:12], order)
-    length = int.from_bytes(raw[12:16], order)
-    if len(raw) < 16 + length:
+    if len(raw) < HEADER_BYTES:
         raise ValueError("the message breaks off")
-    return seconds + nanoseconds * 1e-9, raw[16 : 16 + length].rstrip(b"\x00").decode("utf-8", "replace")
+    header = BIG_HEADER if ros2 and not raw[1] & 1 else LITTLE_HEADER
+    seconds, nanoseconds, length = header.unpack_from(raw, 4)
+    if len(raw) < HEADER_BYTES + length:
+        raise ValueError("the message breaks off")
+    return seconds + nanoseconds * 1e-9, raw[HEADER_BYTES : HEADER_BYTES + length].rstrip(b"\x00").decode(
+        "utf-8", "replace"
+    )
 
 
 def odometry_of(message: Any) -> Odometry | None:
@@ -70,7 +76,7 @@ def sonar_of(message: Any, mount: Pose) -> SonarSensor:
 
 def reach_of(max_range_m: float) -> float:
     """Return the range at which nothing came back; drivers that do not know write zero, NaN or infinity."""
-    return float(max_range_m) if 0 < max_range_m <= MAX_RANGE_M else MAX_RANGE_M
+    return round(float(max_range_m), DECIMALS) if 0 < max_range_m <= MAX_RANGE_M else MAX_RANGE_M
 
 
 def nearest_of(min_range_m: float) -> float:

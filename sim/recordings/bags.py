@@ -21,7 +21,7 @@ from sim.recordings.bag_files import messages_of, open_bag
 from sim.recordings.bag_messages import Together, fan_of, nearest_of, odometry_of, reach_of, sonar_of, stamp_and_frame
 from sim.recordings.cones import Fan
 from sim.recordings.frames import Frames, Transform, in_plane, plain_name, transform_of
-from sim.recordings.ranges import Ranges, sort_out, unfit
+from sim.recordings.ranges import Ranges, sort_out, sort_out_one, unfit
 from sim.recordings.recording import Echoes, Heard, Recording, Sweep
 from sim.recordings.stamps import repair
 
@@ -214,9 +214,7 @@ class Bag(Recording):
             return odometry_of(message)
         if stream.type == RANGE:
             limit_m = self.sonars[stream.number].max_range_m
-            return float(
-                sort_out([message.range], nearest_of(message.min_range), min(limit_m, reach_of(message.max_range)))[0]
-            )
+            return sort_out_one(message.range, nearest_of(message.min_range), min(limit_m, reach_of(message.max_range)))
         fan = fan_of(message, stream.flipped)
         if fan is None:
             return None

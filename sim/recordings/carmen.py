@@ -61,8 +61,12 @@ class CarmenLog(Recording):
         self.counts["lines_read"] = survey.lines
         self.counts["lines_skipped"] = survey.skipped
         self._tags = survey.used_tags()
+        if not self._tags:
+            raise RecordingError(
+                f"{path}: not a recording: none of its {survey.lines} lines is one of a CARMEN log or a bag"
+            )
         if not self._tags & {"SONAR", *survey.fans}:
-            seen = ", ".join(f"{tag} {count}" for tag, count in sorted(survey.tags.items())) or "none"
+            seen = ", ".join(f"{tag} {count}" for tag, count in sorted(survey.tags.items()))
             raise RecordingError(
                 f"{path}: no laser or sonar line in {survey.lines} lines (lines by tag: {seen}; {survey.skipped} damaged)"
             )
@@ -105,8 +109,8 @@ class CarmenLog(Recording):
         if tag == "RLASER" and not middle.any():
             self.notes.append("the rear laser's mount is not told: it is taken to look straight back")
             middle[2] = pi
-        x_m, y_m, heading_rad = (round(float(v), 6) for v in middle)
-        return Pose(x_m=x_m, y_m=y_m, heading_rad=wrap_angle(heading_rad))
+        x_m, y_m, heading_rad = middle.tolist()
+        return Pose(x_m=round(x_m, 6), y_m=round(y_m, 6), heading_rad=wrap_angle(heading_rad))
 
     def replay(self) -> Iterator[Heard]:
         """Yield odometry, sweeps and echoes in the order of the lines; a laser line gives its odometry first."""

@@ -79,7 +79,7 @@ def _old_laser(words: list[str]) -> CarmenLine:
 def _new_laser(words: list[str], *, robot: bool) -> CarmenLine:
     start_rad, view_rad, step_rad, max_range_m = map(float, words[2:6])
     beams = _number(words[8], MAX_BEAMS)
-    remissions = _number(words[9 + beams], MAX_BEAMS)
+    remissions = _number(words[9 + beams], MAX_BEAMS, least=0)
     end = 10 + beams + remissions
     _check_length(words, end + (11 if robot else 0) + TAIL)
     even_rad = view_rad / max(beams - 1, 1)
@@ -123,9 +123,9 @@ def _check_length(words: list[str], expected: int) -> None:
         raise ValueError(f"{len(words)} words instead of {expected}")
 
 
-def _number(word: str, limit: int) -> int:
+def _number(word: str, limit: int, least: int = 1) -> int:
     number = int(word)
-    if not 0 < number <= limit:
+    if not least <= number <= limit:
         raise ValueError(f"{number} values")
     return number
 

@@ -11,7 +11,7 @@ from sim.recordings.carmen import CarmenLog
 from sim.recordings.recording import Recording
 
 HEAD_BYTES = 4096
-KNOWN = "a CARMEN log (plain or gzipped), a ROS 1 bag, or a ROS 2 bag (a folder, MCAP or sqlite3 file)"
+EXPECTED = "a CARMEN log (plain or gzipped), a ROS 1 bag, or a ROS 2 bag (a folder, MCAP or sqlite3 file)"
 
 
 def open_recording(path: Path, odometry_topic: str = "") -> Recording:
@@ -29,7 +29,7 @@ def open_recording(path: Path, odometry_topic: str = "") -> Recording:
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from None
     if not head:
-        raise RecordingError(f"{path}: the file is empty; expected {KNOWN}")
+        raise RecordingError(f"{path}: the file is empty; expected {EXPECTED}")
     if bag_suffix(head) is not None or head.startswith(ZIP_MAGIC):
         return Bag(path, odometry_topic)
     if head.startswith(b"\x1f\x8b"):
@@ -39,7 +39,7 @@ def open_recording(path: Path, odometry_topic: str = "") -> Recording:
                 f"{path}: a gzipped bag cannot be read as it is; unpack it with 'gunzip -k {path.name}'"
             )
     if b"\x00" in head:
-        raise RecordingError(f"{path}: not a recording that can be read; expected {KNOWN}")
+        raise RecordingError(f"{path}: not a recording that can be read; expected {EXPECTED}")
     return CarmenLog(path)
 
 

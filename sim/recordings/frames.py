@@ -77,6 +77,6 @@ def in_plane(base_from_sensor: Transform) -> tuple[Pose, bool, bool]:
     mount = Pose(
         x_m=round(float(base_from_sensor[0, 3]), 6),
         y_m=round(float(base_from_sensor[1, 3]), 6),
-        heading_rad=round(atan2(float(x_axis[1]), float(x_axis[0])), 9),
+        heading_rad=atan2(float(x_axis[1]), float(x_axis[0])),
     )
     return mount, bool(abs(x_axis[2]) < MAX_TILT_SINE), bool(z_axis[2] < 0)

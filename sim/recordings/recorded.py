@@ -69,7 +69,7 @@ class RecordedRobotParams:
         require(0 <= self.cones <= MAX_CONES, "cones", self.cones, f"[0, {MAX_CONES}]")
         for name in ("odometry_latency_s", "sonar_latency_s", "laser_latency_s"):
             value = getattr(self, name)
-            require(value is None or abs(value) <= 10, name, value, "[-10, 10] s")
+            require(value is None or 0 <= value <= 10, name, value, "[0, 10] s")
         for name in ("radius_m", "max_range_m"):
             value = getattr(self, name)
             require(value is None or 0 < value <= 100, name, value, "(0, 100] m")
@@ -103,7 +103,7 @@ class RecordedRobot(Robot[RecordedRobotParams]):
         }
         heard = [t for t in kinds if t in self._recording.first_s and not (self._cones and t is Echoes)]
         self.provides = tuple(dict.fromkeys([*([ODOMETRY] if self._standing else []), *(kinds[t] for t in heard)]))
-        self._start_s = min(self._recording.first_s[t] - max(self._latencies_s[t], 0.0) for t in heard)
+        self._start_s = min(self._recording.first_s[t] - self._latencies_s[t] for t in heard)
         self._end_s = max(self._recording.last_s[t] for t in heard)
 
     @property
@@ -196,7 +196,7 @@ class RecordedRobot(Robot[RecordedRobotParams]):
     def _reading(self, kind: Kind[Any], stamp_s: float, value: Any) -> Reading[Any]:
         """Return a reading whose stamp does not run back: several sensors of a kind may come with different delays."""
         newest_s = self._newest_s.get(kind.path, stamp_s)
-        if stamp_s < newest_s:
+        if stamp_s < newest_s and value is not STANDING:
             self._recording.counts["stamps_repaired"] += 1
         self._newest_s[kind.path] = max(stamp_s, newest_s)
         return Reading(kind, self._newest_s[kind.path], value)
