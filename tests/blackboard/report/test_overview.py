@@ -73,7 +73,7 @@ def test_a_grid_without_knowledge_can_be_drawn(result, make_grid, tmp_path):
     write_overview(replace(result, grid=make_grid(np.empty((0, 0)))), tmp_path / "overview.png")
 
 
-@pytest.mark.parametrize("mission", ["a $b^{c", "地図", "x" * 300, "two\nlines", ""])
+@pytest.mark.parametrize("mission", ["a $b^{$ c", "地図", "x" * 300, "two\nlines", ""])
 def test_any_mission_name_can_be_a_title(result, tmp_path, mission):
     write_overview(replace(result, mission=mission), tmp_path / "overview.png")
 
