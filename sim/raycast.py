@@ -62,42 +62,41 @@ def cast(fans: Fans, shapes: Shapes) -> Hits:
     dir_x, dir_y = np.cos(angle), np.sin(angle)
     ox, oy, first = fans.x_m[:, None], fans.y_m[:, None], fans.first_rad[:, None]
 
-    corner = _bearing(shapes.corner_y_m - oy, shapes.corner_x_m - ox, first, span)
-    low = corner[:, shapes.end]  # seen from its right side, a segment runs clockwise
-    extent = corner[:, shapes.start] - low
+    s = shapes.segments
+    corner = _bearing(s.corner_y_m - oy, s.corner_x_m - ox, first, span)
+    low = corner[:, s.end]  # seen from its right side, a segment runs clockwise
+    extent = corner[:, s.start] - low
     extent[extent < 0.0] += TURN
-    fan, segment, in_fan = _pairs(low, low + extent, extent < pi, step, rays)
+    fan, thing, in_fan = _pairs(low, low + extent, extent < pi, step, rays)
     ray = fan * rays + in_fan
-    a, b = shapes.start[segment], shapes.end[segment]
-    ax, ay = shapes.corner_x_m[a], shapes.corner_y_m[a]
-    ex, ey = shapes.corner_x_m[b] - ax, shapes.corner_y_m[b] - ay
-    ax -= fans.x_m[fan]
-    ay -= fans.y_m[fan]
+    ax, ay = s.start_x_m[thing] - fans.x_m[fan], s.start_y_m[thing] - fans.y_m[fan]
+    ex, ey = s.edge_x_m[thing], s.edge_y_m[thing]
     dx, dy = dir_x.ravel()[ray], dir_y.ravel()[ray]
     distance = (ax * ey - ay * ex) / (dx * ey - dy * ex)
-    thing = segment
 
-    to_x, to_y = shapes.circle_x_m - ox, shapes.circle_y_m - oy
+    to_x, to_y = shapes.circles[0] - ox, shapes.circles[1] - oy
     centre_m = np.sqrt(to_x * to_x + to_y * to_y)
     circle = _bearing(to_y, to_x, first, span)
-    if len(shapes.circle_x_m):
-        half = np.arcsin(np.minimum(shapes.circle_radius_m / np.maximum(centre_m, 1e-9), 1.0))
+    if len(shapes.circle_rough):
+        radius = shapes.circles[2]
+        half = np.arcsin(np.minimum(radius / np.maximum(centre_m, 1e-9), 1.0))
         low = circle - half
         low[low <= span - TURN] += TURN  # centred beyond the fan's last ray, but reaching into it
-        fan, which, in_fan = _pairs(low, low + 2.0 * half, centre_m > shapes.circle_radius_m, step, rays)
-        ray_c = fan * rays + in_fan
-        cx, cy = to_x[fan, which], to_y[fan, which]
-        dx, dy = dir_x.ravel()[ray_c], dir_y.ravel()[ray_c]
-        off_axis = dx * cy - dy * cx
-        half_chord = np.sqrt(np.maximum(shapes.circle_radius_m[which] ** 2 - off_axis * off_axis, 0.0))
-        ray = np.concatenate((ray, ray_c))
-        distance = np.concatenate((distance, dx * cx + dy * cy - half_chord))
-        thing = np.concatenate((segment, which + len(shapes.start)))
+        fan, which, in_fan = _pairs(low, low + 2.0 * half, centre_m > radius, step, rays)
+        if len(fan):
+            ray_c = fan * rays + in_fan
+            cx, cy = to_x[fan, which], to_y[fan, which]
+            dx, dy = dir_x.ravel()[ray_c], dir_y.ravel()[ray_c]
+            off_axis = dx * cy - dy * cx
+            half_chord = np.sqrt(np.maximum(radius[which] ** 2 - off_axis * off_axis, 0.0))
+            ray = np.concatenate((ray, ray_c))
+            distance = np.concatenate((distance, dx * cx + dy * cy - half_chord))
+            thing = np.concatenate((thing, which + len(s.start)))
 
-    ranges = np.full(len(fans.x_m) * rays, np.inf)
+    ranges = np.full(dir_x.size, np.inf)
     np.minimum.at(ranges, ray, distance)
     first_met = distance <= ranges[ray]
-    met = np.full(ranges.shape, -1, dtype=np.intp)
+    met = np.full(dir_x.size, -1, dtype=np.intp)
     met[ray[first_met]] = thing[first_met]
     return Hits(
         ranges_m=np.maximum(ranges, 0.0).reshape(-1, rays),
@@ -111,20 +110,18 @@ def cast(fans: Fans, shapes: Shapes) -> Hits:
 
 
 def incidence_cosines(hits: Hits, fans: Fans, shapes: Shapes) -> Floats:
-    """Return the cosine of each ray's angle of incidence, (f, rays): 1 is perpendicular, 0 where nothing was met."""
-    segments = len(shapes.start)
-    cosine = np.zeros(hits.ranges_m.shape)
-    on_segment = (hits.thing >= 0) & (hits.thing < segments)
-    which = hits.thing[on_segment]
-    a, b = shapes.start[which], shapes.end[which]
-    ex, ey = shapes.corner_x_m[b] - shapes.corner_x_m[a], shapes.corner_y_m[b] - shapes.corner_y_m[a]
-    across = hits.direction_y[on_segment] * ex - hits.direction_x[on_segment] * ey
-    cosine[on_segment] = np.abs(across) / np.sqrt(ex * ex + ey * ey)
+    """Return the cosine of each ray's angle of incidence, (f, rays): 1 is perpendicular; 0 where nothing was met."""
+    s = shapes.segments
+    segments = len(s.start)
+    beyond = np.zeros(len(shapes.circle_rough) + 1)  # circles, and -1 for nothing
+    along_x = np.concatenate((s.edge_x_m / s.length_m, beyond))[hits.thing]
+    along_y = np.concatenate((s.edge_y_m / s.length_m, beyond))[hits.thing]
+    cosine: Floats = np.abs(hits.direction_y * along_x - hits.direction_x * along_y)
     fan, ray = np.nonzero(hits.thing >= segments)
     if len(fan):
-        which = hits.thing[fan, ray] - segments
-        cx, cy = shapes.circle_x_m[which] - fans.x_m[fan], shapes.circle_y_m[which] - fans.y_m[fan]
-        off_axis = (hits.direction_x[fan, ray] * cy - hits.direction_y[fan, ray] * cx) / shapes.circle_radius_m[which]
+        x, y, radius = shapes.circles[:, hits.thing[fan, ray] - segments]
+        cx, cy = x - fans.x_m[fan], y - fans.y_m[fan]
+        off_axis = (hits.direction_x[fan, ray] * cy - hits.direction_y[fan, ray] * cx) / radius
         cosine[fan, ray] = np.sqrt(np.maximum(1.0 - off_axis * off_axis, 0.0))
     return cosine
 

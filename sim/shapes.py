@@ -3,7 +3,7 @@
 Segments run with the solid on their left, so that only those seen from their right can be hit.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import hypot, pi, radians
 
 import numpy as np
@@ -22,8 +22,8 @@ NEIGHBOURHOOD_MARGIN_M = 1.0  # how far the robot goes before what is near is lo
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shapes:
-    """n corners, s segments between them, c circles; metres, map frame. `rough` gives an echo at any angle of incidence."""
+class Segments:
+    """n corners and s segments between them; metres, map frame. `rough` gives an echo at any angle of incidence."""
 
     corner_x_m: Floats  # (n,)
     corner_y_m: Floats
@@ -31,25 +31,54 @@ class Shapes:
     start: Ints  # (s,) index of the corner where a segment starts
     end: Ints
     rough: Bools  # (s,)
-    circle_x_m: Floats  # (c,)
-    circle_y_m: Floats
-    circle_radius_m: Floats
-    circle_rough: Bools
+    start_x_m: Floats = field(init=False)  # (s,) what follows is derived, to be at hand
+    start_y_m: Floats = field(init=False)
+    edge_x_m: Floats = field(init=False)  # from start to end
+    edge_y_m: Floats = field(init=False)
+    length_m: Floats = field(init=False)
+
+    def __post_init__(self) -> None:
+        x, y = self.corner_x_m[self.start], self.corner_y_m[self.start]
+        edge_x, edge_y = self.corner_x_m[self.end] - x, self.corner_y_m[self.end] - y
+        derived = {"start_x_m": x, "start_y_m": y, "edge_x_m": edge_x, "edge_y_m": edge_y}
+        for name, values in {**derived, "length_m": np.hypot(edge_x, edge_y)}.items():
+            object.__setattr__(self, name, values)
+
+    def only(self, chosen: Bools) -> "Segments":
+        """Return the chosen segments, (s,), and their corners."""
+        start, end = self.start[chosen], self.end[chosen]
+        used = np.unique(np.concatenate((start, end)))
+        return Segments(
+            corner_x_m=self.corner_x_m[used],
+            corner_y_m=self.corner_y_m[used],
+            corner_echoes=self.corner_echoes[used],
+            start=np.searchsorted(used, start),
+            end=np.searchsorted(used, end),
+            rough=self.rough[chosen],
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shapes:
+    """Segments and c circles. A thing's index is that of a segment, or that of a circle plus the number of segments."""
+
+    segments: Segments
+    circles: Floats  # (3, c): x, y, radius
+    circle_rough: Bools  # (c,)
 
     def distances_m(self, x_m: float, y_m: float) -> tuple[Floats, Floats, Floats]:
-        """Return the distance from a place to each segment and circle, (s + c,), and the vectors to their nearest points."""
-        ax, ay = self.corner_x_m[self.start], self.corner_y_m[self.start]
-        ex, ey = self.corner_x_m[self.end] - ax, self.corner_y_m[self.end] - ay
-        ax -= x_m
-        ay -= y_m
-        along = np.clip(-(ax * ex + ay * ey) / (ex * ex + ey * ey), 0.0, 1.0)
-        to_x, to_y = ax + along * ex, ay + along * ey
+        """Return for each thing, (s + c,), its distance from a place, and the vector (x, y) to its nearest point."""
+        s = self.segments
+        ax, ay = s.start_x_m - x_m, s.start_y_m - y_m
+        along = -(ax * s.edge_x_m + ay * s.edge_y_m) / (s.length_m * s.length_m)
+        along = np.minimum(np.maximum(along, 0.0), 1.0)
+        to_x, to_y = ax + along * s.edge_x_m, ay + along * s.edge_y_m
         distance = np.sqrt(to_x * to_x + to_y * to_y)
-        if not len(self.circle_x_m):
+        if not len(self.circle_rough):
             return distance, to_x, to_y
-        cx, cy = self.circle_x_m - x_m, self.circle_y_m - y_m
+        cx, cy = self.circles[0] - x_m, self.circles[1] - y_m
         centre = np.sqrt(cx * cx + cy * cy)
-        surface = centre - self.circle_radius_m
+        surface = centre - self.circles[2]
         share = surface / np.maximum(centre, 1e-12)
         return (
             np.concatenate((distance, surface)),
@@ -60,35 +89,19 @@ class Shapes:
     def within(self, x_m: float, y_m: float, reach_m: float) -> "Shapes":
         """Return only what lies within `reach_m` of a place."""
         near = self.distances_m(x_m, y_m)[0] <= reach_m
-        segment, circle = near[: len(self.start)], near[len(self.start) :]
-        start, end = self.start[segment], self.end[segment]
-        used = np.unique(np.concatenate((start, end)))
+        segment, circle = near[: len(self.segments.start)], near[len(self.segments.start) :]
         return Shapes(
-            corner_x_m=self.corner_x_m[used],
-            corner_y_m=self.corner_y_m[used],
-            corner_echoes=self.corner_echoes[used],
-            start=np.searchsorted(used, start),
-            end=np.searchsorted(used, end),
-            rough=self.rough[segment],
-            circle_x_m=self.circle_x_m[circle],
-            circle_y_m=self.circle_y_m[circle],
-            circle_radius_m=self.circle_radius_m[circle],
+            segments=self.segments.only(segment),
+            circles=self.circles[:, circle],
             circle_rough=self.circle_rough[circle],
         )
 
-    def with_circles(self, circles: Floats) -> "Shapes":
-        """Return these shapes and rough circles (k, 3): x, y, radius."""
+    def with_rough_circles(self, circles: Floats) -> "Shapes":
+        """Return these shapes and more circles, (3, k)."""
         return Shapes(
-            corner_x_m=self.corner_x_m,
-            corner_y_m=self.corner_y_m,
-            corner_echoes=self.corner_echoes,
-            start=self.start,
-            end=self.end,
-            rough=self.rough,
-            circle_x_m=np.concatenate((self.circle_x_m, circles[:, 0])),
-            circle_y_m=np.concatenate((self.circle_y_m, circles[:, 1])),
-            circle_radius_m=np.concatenate((self.circle_radius_m, circles[:, 2])),
-            circle_rough=np.concatenate((self.circle_rough, np.ones(len(circles), bool))),
+            segments=self.segments,
+            circles=np.concatenate((self.circles, circles), axis=1),
+            circle_rough=np.concatenate((self.circle_rough, np.ones(circles.shape[1], bool))),
         )
 
 
@@ -121,21 +134,17 @@ def shapes_around(free: BaseGeometry, rough_things: BaseGeometry, circles: Float
     points = [np.asarray(ring.coords)[-1:0:-1] for ring in rings]  # (k, 2) each, last point dropped
     corner = np.concatenate(points) if points else np.zeros((0, 2))
     following = _following(np.array([len(p) for p in points], dtype=np.intp))
-    index = np.arange(len(corner), dtype=np.intp)
     middle = (corner + corner[following]) / 2.0
     rough = shapely.distance(shapely.points(middle), rough_things.boundary) < 1e-4
-    return Shapes(
+    segments = Segments(
         corner_x_m=corner[:, 0].copy(),
         corner_y_m=corner[:, 1].copy(),
         corner_echoes=_echoing_corners(corner, following),
-        start=index,
+        start=np.arange(len(corner), dtype=np.intp),
         end=following,
         rough=np.asarray(rough, dtype=bool),
-        circle_x_m=circles[:, 0].copy(),
-        circle_y_m=circles[:, 1].copy(),
-        circle_radius_m=circles[:, 2].copy(),
-        circle_rough=circle_rough,
     )
+    return Shapes(segments=segments, circles=circles.T.copy(), circle_rough=circle_rough)
 
 
 def _following(lengths: Ints) -> Ints:

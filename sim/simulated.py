@@ -225,7 +225,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
 
     def _surroundings(self) -> Shapes:
         shapes = self._sensed.at(self._base.x_m, self._base.y_m)
-        return shapes.with_circles(np.array(self.people_at())) if self._walkers else shapes
+        return shapes.with_rough_circles(np.array(self.people_at()).T) if self._walkers else shapes
 
     def _read_odometry(self) -> Odometry:
         base = self._base

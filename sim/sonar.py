@@ -46,7 +46,9 @@ def sonar_fans(model: SonarModel) -> Fans:
 def true_echoes(fans: Fans, shapes: Shapes, critical_incidence_rad: float) -> tuple[Floats, Floats]:
     """Return for each cone the range of the nearest echo, and that of the nearest thing, heard or not; inf where none."""
     hits = cast(fans, shapes)
-    rough = np.concatenate((shapes.rough, shapes.circle_rough, [False]))  # the last stands for nothing, index -1
+    rough = np.concatenate(
+        (shapes.segments.rough, shapes.circle_rough, [False])
+    )  # the last stands for nothing, index -1
     heard = (incidence_cosines(hits, fans, shapes) >= cos(critical_incidence_rad)) | rough[hits.thing]
     echo: Floats = np.where(heard, hits.ranges_m, np.inf).min(axis=1)
     _hear_points(echo, hits, fans, *_corners_in_cones(hits, fans, shapes))
@@ -73,9 +75,9 @@ def fire(echo: Floats, nearest: Floats, model: SonarModel, rng: np.random.Genera
 
 def _corners_in_cones(hits: Hits, fans: Fans, shapes: Shapes) -> tuple[Ints, Floats, Floats]:
     """Return (cone, bearing, distance) of every corner that echoes and lies in a cone."""
-    bearing = hits.corner_bearing_rad
-    cone, corner = np.nonzero((bearing >= -EDGE_RAD) & (bearing <= fans.span_rad) & shapes.corner_echoes)
-    away_x, away_y = shapes.corner_x_m[corner] - fans.x_m[cone], shapes.corner_y_m[corner] - fans.y_m[cone]
+    bearing, s = hits.corner_bearing_rad, shapes.segments
+    cone, corner = np.nonzero((bearing >= -EDGE_RAD) & (bearing <= fans.span_rad) & s.corner_echoes)
+    away_x, away_y = s.corner_x_m[corner] - fans.x_m[cone], s.corner_y_m[corner] - fans.y_m[cone]
     return cone, bearing[cone, corner], np.sqrt(away_x * away_x + away_y * away_y)
 
 
@@ -83,7 +85,7 @@ def _circles_in_cones(hits: Hits, fans: Fans, shapes: Shapes) -> tuple[Ints, Flo
     """Return (cone, bearing, distance) of the nearest point of every circle whose centre lies in a cone."""
     bearing = hits.circle_bearing_rad
     cone, circle = np.nonzero((bearing >= -EDGE_RAD) & (bearing <= fans.span_rad))
-    return cone, bearing[cone, circle], hits.circle_distance_m[cone, circle] - shapes.circle_radius_m[circle]
+    return cone, bearing[cone, circle], hits.circle_distance_m[cone, circle] - shapes.circles[2, circle]
 
 
 def _hear_points(echo: Floats, hits: Hits, fans: Fans, cone: Ints, bearing_rad: Floats, distance_m: Floats) -> None:

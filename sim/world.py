@@ -47,7 +47,7 @@ class World:
 
         Raises MissionError where it does not fit.
         """
-        pose = wanted or self.start or free_place(self.open_floor(), self.floor)
+        pose = wanted or self.start or free_place(self.open_floor())
         here = shapely.Point(pose.x_m, pose.y_m)
         place = f"{self.name}: a robot of radius {radius_m:g} m at ({pose.x_m:g}, {pose.y_m:g})"
         if not self.floor.contains(here):
@@ -62,7 +62,7 @@ class World:
 
     def _hint(self, radius_m: float) -> str:
         """Name a place where the robot fits."""
-        pose = free_place(self.open_floor(), self.floor)
+        pose = free_place(self.open_floor())
         distance = self.shapes.distances_m(pose.x_m, pose.y_m)[0]
         if float(distance.min(initial=np.inf)) < radius_m + 1e-3:
             return " (no place in this world is wide enough)"
@@ -87,15 +87,8 @@ def make_world(
     return World(name=name, floor=floor, free=free, circles=circles, shapes=shapes, people=people, start=start)
 
 
-def free_place(open_floor: BaseGeometry, floor: BaseGeometry) -> Pose:
-    """Return the place with most room, of the parts that walls enclose if there are any."""
-    parts = shapely.get_parts(open_floor)
-    rim = floor.boundary
-    enclosed = [part for part in parts if not _touches_rim(part, rim)]
-    places = [polylabel(part, tolerance=0.02) for part in enclosed or list(parts)]
-    best = max(places, key=lambda place: float(open_floor.boundary.distance(place)))
-    return Pose(x_m=round(best.x, 3), y_m=round(best.y, 3), heading_rad=0.0)
-
-
-def _touches_rim(part: BaseGeometry, rim: BaseGeometry) -> bool:
-    return bool(part.boundary.intersection(rim).length > 1e-6)
+def free_place(open_floor: BaseGeometry) -> Pose:
+    """Return the place with most room on the largest connected piece of floor."""
+    largest = max(shapely.get_parts(open_floor), key=lambda part: float(part.area))
+    place = polylabel(largest, tolerance=0.02)
+    return Pose(x_m=round(place.x, 3), y_m=round(place.y, 3), heading_rad=0.0)
