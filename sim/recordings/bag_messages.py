@@ -40,19 +40,25 @@ def stamp_and_frame(raw: bytes, *, ros2: bool) -> tuple[float, str]:
     )
 
 
-def odometry_of(message: Any) -> Odometry | None:
-    """Return the planar odometry of a nav_msgs/Odometry; None where its pose makes no sense."""
-    position, twist = message.pose.pose.position, message.twist.twist
+def planar_pose(position: Any, rotation: Any) -> Pose | None:
+    """Return a pose brought down to the plane; None where it makes no sense."""
     try:
-        heading_rad = yaw_of(message.pose.pose.orientation)
+        heading_rad = yaw_of(rotation)
     except ValueError:
         return None
     if not (abs(position.x) <= FAR_M and abs(position.y) <= FAR_M):
         return None
+    return Pose(x_m=float(position.x), y_m=float(position.y), heading_rad=heading_rad)
+
+
+def odometry_of(message: Any) -> Odometry | None:
+    """Return the planar odometry of a nav_msgs/Odometry; None where its pose makes no sense."""
+    pose, twist = planar_pose(message.pose.pose.position, message.pose.pose.orientation), message.twist.twist
+    if pose is None:
+        return None
     forward_mps, turn_radps = float(twist.linear.x), float(twist.angular.z)
     if not (abs(forward_mps) <= MAX_SPEED and abs(turn_radps) <= MAX_SPEED):
         forward_mps = turn_radps = 0.0  # drivers that leave the speed out write anything there
-    pose = Pose(x_m=float(position.x), y_m=float(position.y), heading_rad=heading_rad)
     return Odometry(pose=pose, forward_mps=forward_mps, turn_radps=turn_radps)
 
 

@@ -18,7 +18,16 @@ from rosbags.interfaces import Connection
 from blackboard.errors import RecordingError
 from blackboard.messages.sensing import LaserSensor, Odometry, SonarSensor
 from sim.recordings.bag_files import messages_of, open_bag
-from sim.recordings.bag_messages import Together, fan_of, nearest_of, odometry_of, reach_of, sonar_of, stamp_and_frame
+from sim.recordings.bag_messages import (
+    Together,
+    fan_of,
+    nearest_of,
+    odometry_of,
+    planar_pose,
+    reach_of,
+    sonar_of,
+    stamp_and_frame,
+)
 from sim.recordings.cones import Fan
 from sim.recordings.frames import Frames, Transform, in_plane, plain_name, transform_of
 from sim.recordings.ranges import Ranges, sort_out, sort_out_one, unfit
@@ -31,10 +40,12 @@ RANGE, SCAN, ODOMETRY, TRANSFORMS = (
     "nav_msgs/msg/Odometry",
     "tf2_msgs/msg/TFMessage",
 )
+TRANSFORM_TYPES = (TRANSFORMS, "tf/msg/tfMessage")
 TYPES: dict[str, type[Odometry | Sweep | Echoes]] = {RANGE: Echoes, SCAN: Sweep, ODOMETRY: Odometry}
-OLD_TRANSFORMS = "tf/msg/tfMessage"
 BASES = ("base_link", "base_footprint", "base")
-WORLDS = ("odom", "map", "world")
+WHEELS = "odom"  # the frame of the odometry, by the convention of REP-105
+WORLDS = (WHEELS, "map", "world")
+TF_ODOMETRY = ("/tf", "")  # the sensor that odometry from transforms counts as
 
 Key = tuple[str, str]  # topic and frame: one sensor
 
@@ -44,7 +55,7 @@ class Stream:
     """One sensor of a bag, or its odometry: its stamps, and its first message, which describes it."""
 
     type: str
-    first: Any
+    first: Any = None
     stamps: "array[float]" = field(default_factory=lambda: array("d"))
     received: "array[float]" = field(default_factory=lambda: array("d"))
     number: int = -1
@@ -60,14 +71,15 @@ class Bag(Recording):
         self._streams: dict[Key, Stream] = {}
         self._frames = Frames()
         self._worlds = list(WORLDS)
+        self._wheels_to = ""  # the body's frame, where odometry stands in /tf only
         with open_bag(path) as bag:
             self._used = self._choose(bag.connections, odometry_topic)
             self._survey(bag)
         self._describe()
         self._repair()
 
-    def _choose(self, connections: list[Connection], odometry_topic: str) -> list[str]:
-        """Return the topics to read: all ranges and transforms, and one odometry."""
+    def _choose(self, connections: list[Connection], odometry_topic: str) -> list[tuple[str, str]]:
+        """Return the types and topics to read: all ranges and transforms, and one odometry."""
         counts: dict[str, dict[str, int]] = {}
         for c in connections:
             counts.setdefault(c.msgtype, {}).setdefault(c.topic, 0)
@@ -83,32 +95,42 @@ class Bag(Recording):
         chosen = odometry_topic or min(odometry, key=lambda t: (t != "/odom", -odometry[t], t), default="")
         if len(odometry) > 1 and not odometry_topic:
             self.notes.append(f"odometry is that of {chosen}, of {', '.join(sorted(odometry))}")
-        ranged = [*counts.get(RANGE, {}), *counts.get(SCAN, {})]
-        return [*ranged, *counts.get(TRANSFORMS, {}), *counts.get(OLD_TRANSFORMS, {}), *([chosen] if chosen else [])]
+        self._odometry_in_tf = not chosen
+        types = (RANGE, SCAN, *TRANSFORM_TYPES)
+        return [(type_, topic) for type_ in types for topic in counts.get(type_, {})] + (
+            [(ODOMETRY, chosen)] if chosen else []
+        )
 
     def _survey(self, bag: AnyReader) -> None:
-        connections = [c for c in bag.connections if c.topic in self._used]
+        connections = [c for c in bag.connections if (c.msgtype, c.topic) in self._used]
         for connection, received_ns, raw in messages_of(self._path, bag, connections):
             self.counts["messages_read"] += 1
-            if connection.msgtype not in TYPES:
-                self._take_transforms(_decoded(bag, raw, connection.msgtype))
+            if connection.msgtype in TRANSFORM_TYPES:
+                self._take_transforms(_decoded(bag, raw, connection.msgtype), received_ns)
                 continue
             try:
                 stamp_s, frame = stamp_and_frame(raw, ros2=bag.is2)
             except (ValueError, IndexError):
                 continue  # replay counts it
             key = (connection.topic, frame if connection.msgtype != ODOMETRY else "")
-            stream = self._streams.get(key)
-            if stream is None:
-                first = _decoded(bag, raw, connection.msgtype)
-                if first is None:
-                    continue
-                stream = self._streams[key] = Stream(connection.msgtype, first)
+            stream = self._streams.setdefault(key, Stream(connection.msgtype))
+            if stream.first is None:
+                stream.first = _decoded(bag, raw, connection.msgtype)
             stream.stamps.append(stamp_s)
             stream.received.append(received_ns * 1e-9)
+        wheels = self._streams.get(TF_ODOMETRY)
+        if wheels is not None and len(wheels.stamps) < 2:  # nailed down: no odometry
+            del self._streams[TF_ODOMETRY]
+            self._wheels_to = ""
+        self._streams = {key: stream for key, stream in self._streams.items() if stream.first is not None}
 
-    def _take_transforms(self, message: Any) -> None:
+    def _take_transforms(self, message: Any, received_ns: int) -> None:
         for transform in message.transforms if message is not None else ():
+            if self._odometry_in_tf and self._turns_wheels(transform):
+                stream = self._streams.setdefault(TF_ODOMETRY, Stream(ODOMETRY, transform))
+                stream.stamps.append(transform.header.stamp.sec + transform.header.stamp.nanosec * 1e-9)
+                stream.received.append(received_ns * 1e-9)
+                self._wheels_to = transform.child_frame_id
             with suppress(ValueError):
                 self._frames.add(
                     plain_name(transform.header.frame_id),
@@ -116,7 +138,13 @@ class Bag(Recording):
                     transform_of(transform.transform.translation, transform.transform.rotation),
                 )
 
+    def _turns_wheels(self, transform: Any) -> bool:
+        """Say whether a transform is odometry: that of the first body told in the frame `odom`."""
+        return plain_name(transform.header.frame_id) == WHEELS and self._wheels_to in ("", transform.child_frame_id)
+
     def _describe(self) -> None:
+        if self._wheels_to:
+            self.notes.append(f"odometry is taken from /tf ({WHEELS} to {plain_name(self._wheels_to)})")
         bases = list(BASES)
         for stream in self._streams.values():
             if stream.type == ODOMETRY:
@@ -169,10 +197,7 @@ class Bag(Recording):
         if unstamped:
             self.notes.append(f"{unstamped[0]} bears no stamps: the times of receipt are used throughout")
         for stream in used.values():
-            try:
-                stamps, repaired = repair(np.array(stream.received if unstamped else stream.stamps))
-            except ValueError as error:
-                raise RecordingError(f"{self._path}: {error}") from None
+            stamps, repaired = repair(np.array(stream.received if unstamped else stream.stamps))
             stream.stamps = array("d", stamps.tobytes())
             self.counts["stamps_repaired"] += repaired
             self.saw(TYPES[stream.type], stream.stamps[0], stream.stamps[-1])
@@ -184,8 +209,14 @@ class Bag(Recording):
         cursors = {key: iter(stream.stamps) for key, stream in self._streams.items()}
         together = Together()
         with open_bag(self._path) as bag:
-            connections = [c for c in bag.connections if c.topic in self._used and c.msgtype in TYPES]
+            types = (*TYPES, *(TRANSFORM_TYPES if self._wheels_to else ()))
+            connections = [c for c in bag.connections if (c.msgtype, c.topic) in self._used and c.msgtype in types]
             for connection, _, raw in messages_of(self._path, bag, connections):
+                if connection.msgtype in TRANSFORM_TYPES:
+                    for odometry in self._from_transforms(_decoded(bag, raw, connection.msgtype), cursors[TF_ODOMETRY]):
+                        yield from together.until(odometry.stamp_s, ranged=False)
+                        yield odometry
+                    continue
                 try:
                     _, frame = stamp_and_frame(raw, ros2=bag.is2)
                 except (ValueError, IndexError):
@@ -206,6 +237,16 @@ class Bag(Recording):
                 else:
                     yield Heard(stamp_s, value)
         yield from together.flush()
+
+    def _from_transforms(self, message: Any, stamps: Iterator[float]) -> Iterator[Heard]:
+        for transform in message.transforms if message is not None else ():
+            if self._turns_wheels(transform):
+                stamp_s = next(stamps)
+                pose = planar_pose(transform.transform.translation, transform.transform.rotation)
+                if pose is None:
+                    self.counts["messages_skipped"] += 1
+                else:
+                    yield Heard(stamp_s, Odometry(pose=pose))
 
     def _value(self, stream: Stream, message: Any) -> Odometry | Sweep | float | None:
         if message is None:

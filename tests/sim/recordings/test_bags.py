@@ -219,3 +219,40 @@ def test_header_without_decoding(ros1: Any, ros2: Any) -> None:
     for short in (b"", little[:10], little[:18]):
         with pytest.raises(ValueError, match="breaks off"):
             stamp_and_frame(short, ros2=True)
+
+
+def test_odometry_that_stands_in_transforms_only(tmp_path: Path, write_bag: Write, ros2: Any) -> None:
+    def moved(stamp_s: float, x_m: float) -> tuple[str, float, Any]:
+        message = ros2.transforms(("map", "odom", 9.0, 9.0, 0.0), ("odom", "base_link", x_m, 0.5, 0.1))
+        for transform in message.transforms:
+            transform.header = ros2.header(stamp_s, transform.header.frame_id)
+        return "/tf", stamp_s, message
+
+    messages = [
+        ("/tf_static", 0.5, ros2.transforms(("base_link", "laser", 0.2, 0.0, 0.0))),
+        moved(1.0, 0.0),
+        ("/scan", 1.05, ros2.scan(1.05, "laser", [1.0, 2.0])),
+        moved(1.1, 0.3),
+    ]
+    bag = Bag(write_bag(tmp_path / "tf", messages))
+    heard = list(bag.replay())
+    assert [type(h.value) for h in heard] == [Odometry, Sweep, Odometry]
+    last = heard[2].value
+    assert isinstance(last, Odometry)
+    assert (last.pose.x_m, last.pose.y_m, last.pose.heading_rad) == pytest.approx((0.3, 0.5, 0.1))
+    assert heard[2].stamp_s == pytest.approx(1.1)
+    assert bag.lasers[0].mount.x_m == 0.2
+    assert "/tf (odom to base_link)" in bag.notes[0]
+
+
+def test_a_message_that_does_not_decode_is_counted(tmp_path: Path, ros2: Any) -> None:
+    from rosbags.rosbag2 import StoragePlugin, Writer
+
+    whole = bytes(ros2.store.serialize_cdr(ros2.scan(1.0, "base_link", [1.0, 2.0]), "sensor_msgs/msg/LaserScan"))
+    with Writer(tmp_path / "cut", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/scan", "sensor_msgs/msg/LaserScan", typestore=ros2.store)
+        for received_ns, raw in enumerate([whole[:40], whole, whole[:10], whole[:-3]]):
+            writer.write(connection, received_ns, raw)
+    bag = Bag(tmp_path / "cut")
+    assert sum(isinstance(h.value, Sweep) for h in bag.replay()) == 1
+    assert bag.counts["messages_skipped"] == 3

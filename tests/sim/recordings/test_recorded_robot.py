@@ -12,6 +12,7 @@ from blackboard.component import Reading
 from blackboard.errors import MissionError, RecordingError
 from blackboard.kinds import LASER_SCAN, ODOMETRY, ROBOT, SONAR_SCAN
 from blackboard.messages.sensing import LaserScan, SonarScan
+from blackboard.vocabulary import Vocabulary
 from sim.recordings.recorded import RecordedRobot, RecordedRobotParams
 
 Write = Callable[..., Path]
@@ -154,7 +155,7 @@ def test_stamps_of_a_kind_never_run_back(tmp_path: Path, write_bag: Write, ros2:
 def test_every_reading_can_stand_on_the_board(log: Path) -> None:
     for params in ({}, {"cones": 12, "laser_latency_s": 0.05}):
         recorded = robot(log, **params)
-        board = Board([*recorded.provides, ROBOT], robot=recorded.description.name)
+        board = Board(Vocabulary(), robot=recorded.description.name)
         board.post(ROBOT, recorded.description, source="robot")
         for cycle in range(12):
             now_s = recorded.start_s + 0.1 * cycle
