@@ -93,11 +93,12 @@ def scale_bar_m(width_m: float) -> float:
 
 def simplified(points: npt.NDArray[np.float64], step_m: float) -> npt.NDArray[np.intp]:
     """Return the indices of the first and last point, and of those between that lie `step_m` from the one kept before."""
-    kept = [0] if len(points) else []
-    for index, (x_m, y_m) in enumerate(points.tolist()):
-        x0_m, y0_m = points[kept[-1]]
+    places = points.tolist()
+    kept = [0] if places else []
+    for index, (x_m, y_m) in enumerate(places):
+        x0_m, y0_m = places[kept[-1]]
         if index and (x_m - x0_m) ** 2 + (y_m - y0_m) ** 2 >= step_m**2:
             kept.append(index)
-    if len(points) and kept[-1] != len(points) - 1:
-        kept.append(len(points) - 1)
+    if places and kept[-1] != len(places) - 1:
+        kept.append(len(places) - 1)
     return np.array(kept, dtype=np.intp)
