@@ -62,7 +62,7 @@ class RecordedRobotParams:
         None  # how late a stamp is after the reading was taken; None: the robot file's, else 0
     )
     sonar_latency_s: float | None = None
-    laser_latency_s: float | None = None
+    laser_latency_s: float | None = None  # and that of the cones that a laser is thinned to
     odometry_topic: str = ""  # in a bag with several; empty: /odom, else the one with most messages
 
     def __post_init__(self) -> None:
