@@ -5,22 +5,23 @@ from math import cos, inf, pi, sin, sqrt
 
 from behaviours.near_echoes import Near
 
-TOUCHING = 0.98  # what is nearer than the width wanted must not come nearer by more than this share
+PASSING_RAD = 0.45 * pi  # what is nearer than the width wanted may be passed if it lies further off the way than this
 
 
 def free_travel_m(distance_m: float, off_rad: float, half_width_m: float) -> float:
     """Return how far a disc goes straight on until its rim is at a point.
 
     The point lies `distance_m` from the disc's centre and `off_rad` >= 0 off its way. Infinity where the disc passes. A point
-    inside the disc blocks every direction that leads nearer to it, and none beside or away from it.
+    inside the disc blocks every direction that leads nearer to it, and none past or away from it.
     """
+    if distance_m <= half_width_m:
+        return 0.0 if off_rad < PASSING_RAD else inf
     if off_rad >= 0.5 * pi:
         return inf
-    contact_m = min(half_width_m, TOUCHING * distance_m)
     beside_m = distance_m * sin(off_rad)
-    if beside_m >= contact_m:
+    if beside_m >= half_width_m:
         return inf
-    return distance_m * cos(off_rad) - sqrt(contact_m * contact_m - beside_m * beside_m)
+    return distance_m * cos(off_rad) - sqrt(half_width_m * half_width_m - beside_m * beside_m)
 
 
 def off_course(bearing_rad: float, direction_rad: float) -> float:

@@ -26,7 +26,8 @@ from blackboard.parameters import require
 
 READS: tuple[Kind[Any], ...] = (ROBOT, ODOMETRY, SONAR_SCAN, LASER_SCAN, BUMPER)
 LONGEST_STEP_S = 1.0  # an odometry reading is carried no further than this
-DOUBT_LIMIT = 2  # so many readings through an echo clear it
+SPARED_M = 0.3  # what was heard this near to a sensor is not doubted: a thing beside the cone is soon touched
+DOUBT_LIMIT = 3  # so many readings through an echo clear it
 
 BESIDE = (
     (0, 0),
@@ -51,7 +52,7 @@ class NearEchoesParams:
 
     reach_m: float = 1.6  # from the rim: about where a thing on the path leaves the forward cone of 12 degrees
     keep_s: float = 8.0  # long enough to drive through the gap beside that cone at 0.25 m/s
-    keep_new_s: float = 3.0  # for what was heard just once or twice: a person walking by, cross-talk
+    keep_new_s: float = 4.0  # for what was heard just once or twice: a person walking by, cross-talk
     cell_m: float = 0.1  # echoes in one cell count as one
     settled_after_s: float = 0.35  # heard in a cell or beside it so long ago: what walks at 0.5 m/s has left by then
     look_through_m: float = 0.3  # a reading must go so far beyond an echo to speak against it
@@ -146,8 +147,10 @@ def look_through(
             continue
         heading_rad = pose.heading_rad + look.heading_rad
         dx, dy = cell_m * cos(heading_rad), cell_m * sin(heading_rad)
-        x, y = pose.x_m + c * look.x_m - s * look.y_m, pose.y_m + s * look.x_m + c * look.y_m
-        for _ in range(int(clear_m / cell_m) + 1):
+        skipped = int(SPARED_M / cell_m)
+        x = pose.x_m + c * look.x_m - s * look.y_m + skipped * dx
+        y = pose.y_m + s * look.x_m + c * look.y_m + skipped * dy
+        for _ in range(skipped, int(clear_m / cell_m) + 1):
             cell = (floor(x / cell_m), floor(y / cell_m))
             echo = echoes.get(cell)
             if echo is not None:

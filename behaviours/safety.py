@@ -31,6 +31,7 @@ WATCHED_RAD = (
 )  # a sonar watches the way if its axis lies within this of it; rings have 30 to 40 degrees between axes
 AWAY = -0.2  # cosine between the way and a contact below which the robot leaves it
 MEETING_RAD = 0.6 * pi  # what walks into the robot from further behind is not met by it
+WALKER_HEARD_S = 0.5  # who walks is heard again within this, elsewhere: two scans and one lost echo
 FRESH_S = 0.3  # younger echoes may lie anywhere in their cone; of older ones the axis is the best guess
 SLOWEST_MPS = 0.02  # slower is standing still
 
@@ -96,7 +97,7 @@ def limit_by_clearance(
         off_rad = off_course(bearing_rad, middle_rad) - spread_rad
         if age_s <= FRESH_S:
             off_rad -= half_cone_rad
-        if settled:
+        if settled or age_s > WALKER_HEARD_S:
             closing_mps, room_m = 0.0, free_travel_m(distance_m, max(0.0, off_rad), half_width_m)
         elif off_rad <= MEETING_RAD:
             closing_mps, room_m = params.walking_mps, distance_m - half_width_m
@@ -105,7 +106,7 @@ def limit_by_clearance(
         if room_m == inf:
             continue
         clearance_m = min(clearance_m, max(0.0, room_m))
-        may_mps = stopping_speed_mps(room_m, closing_mps, min(age_s, 1.0), braking_mps2, params.reaction_s)
+        may_mps = stopping_speed_mps(room_m, closing_mps, age_s, braking_mps2, params.reaction_s)
         limit_mps = min(limit_mps, may_mps)
     return limit_mps, clearance_m
 

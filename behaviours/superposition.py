@@ -25,6 +25,10 @@ class SuperpositionParams:
         0.8  # fastest turn: 9 degrees a scan at 5 Hz, so that no direction is skipped by cones of 12 degrees
     )
     turn_gain_per_s: float = 2.0  # turn rate for each radian to the vector
+    weave_rad: float = (
+        0.2  # swings its heading so far to either side on the way, so that cones sweep the gaps between them
+    )
+    weave_period_s: float = 3.0  # a thing in a gap is heard at the latest after half of this: 0.6 m on
     silence: float = 0.05  # a shorter sum means: stand still
     about_rad: float = 2.6  # a vector further behind than this keeps the side of the turn that has begun
     valid_for_s: float = 0.5  # five control cycles
@@ -33,6 +37,8 @@ class SuperpositionParams:
         require(0.01 <= self.cruise_mps <= 5.0, "cruise_mps", self.cruise_mps, "[0.01, 5]")
         require(0.05 <= self.turn_radps <= 5.0, "turn_radps", self.turn_radps, "[0.05, 5]")
         require(0.1 <= self.turn_gain_per_s <= 20.0, "turn_gain_per_s", self.turn_gain_per_s, "[0.1, 20]")
+        require(0.0 <= self.weave_rad <= 0.5, "weave_rad", self.weave_rad, "[0, 0.5]")
+        require(1.0 <= self.weave_period_s <= 60.0, "weave_period_s", self.weave_period_s, "[1, 60]")
         require(0.0 <= self.silence <= 0.5, "silence", self.silence, "[0, 0.5]")
         require(pi / 2 <= self.about_rad <= pi, "about_rad", self.about_rad, "[pi/2, pi]")
         require(0.05 <= self.valid_for_s <= 1.0, "valid_for_s", self.valid_for_s, "[0.05, 1]")
@@ -61,7 +67,9 @@ def superposition_velocity(
         side = 1 if bearing_rad > 0 else -1
         cruise_mps = min(params.cruise_mps, robot.max_speed_mps)
         forward_mps = cruise_mps * min(1.0, length) * max(0.0, cos(bearing_rad))
-        turn_radps += params.turn_gain_per_s * bearing_rad
+        turn_radps += params.turn_gain_per_s * bearing_rad * min(1.0, length)
+        swing_per_s = 2.0 * pi / params.weave_period_s
+        turn_radps += forward_mps / cruise_mps * params.weave_rad * swing_per_s * cos(swing_per_s * now_s)
     fastest_radps = min(params.turn_radps, robot.max_turn_radps)
     turn_radps = max(-fastest_radps, min(fastest_radps, turn_radps))
     return side, Velocity(forward_mps=forward_mps, turn_radps=turn_radps, valid_until_s=now_s + params.valid_for_s)
