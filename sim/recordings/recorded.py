@@ -54,13 +54,12 @@ class RecordedRobotParams:
     path: Path  # a CARMEN log, a bag file, or a bag folder
     robot: Path | None = None  # robot file whose body and sensor ranges go over those of the recording
     cones: int = (
-        0  # 0 keeps the laser; else each laser becomes a ring of so many sonar cones, the only sonars there are
+        0  # 0: the laser stays; N: each laser becomes N sonar cones, and the recording's own sonars are left out
     )
     radius_m: float | None = None  # None: the robot file's, else 0.25, between a Pioneer (0.26) and a Roomba (0.17)
     max_range_m: float | None = None  # nothing came back from beyond it; None: what recording and robot file say
-    odometry_latency_s: float | None = (
-        None  # how late a stamp is after the reading was taken; None: the robot file's, else 0
-    )
+    # how late a stamp is after the moment at which the reading was taken; None: the robot file's, else 0
+    odometry_latency_s: float | None = None
     sonar_latency_s: float | None = None
     laser_latency_s: float | None = None  # and that of the cones that a laser is thinned to
     odometry_topic: str = ""  # in a bag with several; empty: /odom, else the one with most messages
