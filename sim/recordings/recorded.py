@@ -53,9 +53,7 @@ class RecordedRobotParams:
 
     path: Path  # a CARMEN log, a bag file, or a bag folder
     robot: Path | None = None  # robot file whose body and sensor ranges go over those of the recording
-    cones: int = (
-        0  # 0: the laser stays; N: each laser becomes N sonar cones, and the recording's own sonars are left out
-    )
+    cones: int = 0  # 0: the laser stays; N: each laser becomes N sonar cones, and the only sonars are these
     radius_m: float | None = None  # None: the robot file's, else 0.25, between a Pioneer (0.26) and a Roomba (0.17)
     max_range_m: float | None = None  # nothing came back from beyond it; None: what recording and robot file say
     # how late a stamp is after the moment at which the reading was taken; None: the robot file's, else 0
