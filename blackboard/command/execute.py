@@ -3,24 +3,20 @@
 import argparse
 import os
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as ProgressBar
 
 from blackboard.command.main import EXIT_INTERRUPTED
 from blackboard.errors import ComponentFailed, MissionError
-from blackboard.grid import Grid
 from blackboard.journal import FILE_NAME, JournalWriter
-from blackboard.kinds import COMPONENT, GRID, LINE
+from blackboard.kinds import COMPONENT
 from blackboard.mission import Mission
 from blackboard.report.output_folder import prepare_output_folder
-from blackboard.report.result import RunResult, driven_m
-from blackboard.report.scores import score_table
 from blackboard.report.table import show_table, table_json
-from blackboard.report.write import write_results
-from blackboard.runner import Run, RunOptions
+from blackboard.runner import Progress, Run, RunOptions
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
@@ -41,26 +37,31 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--force", action="store_true", help="replace what an earlier run left in the output folder")
     parser.add_argument("--strict", action="store_true", help="stop at the first component that raises")
+    parser.add_argument("--gif", action="store_true", help="also write map.gif: the map growing, as a moving picture")
     parser.add_argument("--json", action="store_true", help="print the table at the end as JSON")
 
 
-def execute(mission: Mission, options: argparse.Namespace) -> int:
+def execute(mission: Mission, options: argparse.Namespace, title: str | None = None) -> int:
     """Run a mission, write its results, show its table; return the exit status. Ctrl-C writes what was gathered."""
     folder = Path(options.out) if options.out is not None else _new_folder(mission.name)
     run = Run(mission, RunOptions(seed=options.seed, strict=options.strict))
     prepare_output_folder(folder, options.force)
+    from blackboard.command.gather import FrameCollector, gather  # loads matplotlib: not before all else is sound
+    from blackboard.report.write import write_results
+
     interrupted, failure = False, None
+    collector = FrameCollector(run) if options.gif else None
     with JournalWriter(folder / FILE_NAME) as journal:
         run.board.journal = journal
         try:
-            _run_showing_progress(run, options.duration)
+            _run_showing_progress(run, options.duration, collector.note if collector is not None else None)
         except KeyboardInterrupt:
             interrupted = True
             run.control.finish()
         except ComponentFailed as error:  # under --strict
             failure = error
-    result = gather(run)
-    write_results(result, folder)
+    result = gather(run, title or mission.name)
+    write_results(result, folder, collector.frames if collector is not None else ())
     if failure is not None:
         raise failure
     for entry in run.board.entries(COMPONENT):
@@ -70,7 +71,7 @@ def execute(mission: Mission, options: argparse.Namespace) -> int:
     if options.json:
         sys.stdout.write(table_json({**result.table, "out": str(folder)}) + "\n")
     else:
-        show_table(result.table, mission.name)
+        show_table(result.table, result.mission)
         sys.stdout.write(f"Results in {folder}: look at {folder / 'overview.png'}\n")
     if interrupted:
         sys.stderr.write(f"ski: interrupted; what was gathered until then is in {folder}\n")
@@ -78,27 +79,7 @@ def execute(mission: Mission, options: argparse.Namespace) -> int:
     return 0
 
 
-def gather(run: Run) -> RunResult:
-    """Return what a run knows at its end, with the table of its figures."""
-    trajectory = run.trajectory()
-    span_s = float(trajectory[-1, 0] - trajectory[0, 0]) if len(trajectory) else 0.0
-    result = RunResult(
-        mission=run.mission.name,
-        robot=run.robot.description,
-        trajectory=trajectory,
-        grid=Grid.from_tiles(entry.value for entry in run.board.entries(GRID)),
-        lines=run.board.entries(LINE),
-        true_trajectory=run.true_trajectory(),
-        truth=run.robot.truth(),
-    )
-    table: dict[str, float | int | str] = {"robot": result.robot.name, "time_s": span_s, "path_m": driven_m(trajectory)}
-    table |= run.robot.summary()
-    table |= {"lines": len(result.lines), "posts": run.board.posts}
-    table |= score_table(result)
-    return replace(result, table=table)
-
-
-def _run_showing_progress(run: Run, duration_s: float | None) -> None:
+def _run_showing_progress(run: Run, duration_s: float | None, note: Progress | None) -> None:
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
@@ -106,9 +87,15 @@ def _run_showing_progress(run: Run, duration_s: float | None) -> None:
         TextColumn("{task.percentage:3.0f} %"),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+    with ProgressBar(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
         task = shown.add_task(run.mission.name)
-        run.run(duration_s, lambda elapsed_s, total_s: shown.update(task, completed=elapsed_s, total=total_s))
+
+        def progress(elapsed_s: float, total_s: float) -> None:
+            shown.update(task, completed=elapsed_s, total=total_s)
+            if note is not None:
+                note(elapsed_s, total_s)
+
+        run.run(duration_s, progress)
 
 
 def _new_folder(name: str) -> Path:

@@ -23,4 +23,4 @@ def call(options: argparse.Namespace) -> int:
     robot = {"path": str(options.recording.absolute())}
     if options.cones is not None:
         robot["cones"] = options.cones
-    return execute(load(options, robot), options)
+    return execute(load(options, robot), options, f"map of {options.recording.name}")
