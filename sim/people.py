@@ -1,18 +1,19 @@
 """People who walk: along waypoints, with pauses, and with the manners that people have.
 
-A courteous person stops when the robot comes within an arm's length ahead, waits, and turns round when it does not give way. A
-person without manners walks until they touch. Neither ever stands inside the robot; nobody minds other people.
+A courteous person stops an arm's length before a robot that is in the way, waits, and turns round when it does not give way.
+A person without manners walks until they touch, and then does the same. Nobody ever stands inside the robot; nobody minds
+other people.
 """
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, sqrt
 
 import numpy as np
 
 from blackboard.parameters import require
 
 ARM_M = 0.5  # a courteous person keeps this from the robot's surface to their own
-AHEAD_COSINE = 0.25  # the robot is in the way within 75 degrees of where one walks
+PASSING_M = 0.3  # and passes it where this much is left between them
 SKIN_M = 1e-4  # gap that stays when two bodies touch
 
 
@@ -68,29 +69,31 @@ class Walker:
         go_m = min(self.person.speed_mps * dt_s, left_m)
         if left_m > 0.0:
             dx, dy = dx / left_m, dy / left_m
-        if self._in_the_way(dx, dy, go_m, robot_x_m - self.x_m, robot_y_m - self.y_m, robot_radius_m):
+        way_m = self._way_m(dx, dy, go_m, robot_x_m - self.x_m, robot_y_m - self.y_m, robot_radius_m)
+        self.x_m += way_m * dx
+        self.y_m += way_m * dy
+        if way_m < go_m:
             self._waited_s += dt_s
             if self._waited_s > self.person.patience_s:
                 self._turn_round()
             return
         self._waited_s = 0.0
-        self.x_m += go_m * dx
-        self.y_m += go_m * dy
         if go_m >= left_m:
             self._arrive()
 
-    def _in_the_way(
-        self, dx: float, dy: float, go_m: float, robot_dx: float, robot_dy: float, robot_radius_m: float
-    ) -> bool:
-        touching_m = robot_radius_m + self.person.radius_m
+    def _way_m(self, dx: float, dy: float, go_m: float, robot_dx: float, robot_dy: float, robot_radius_m: float) -> float:
+        """Return how far one goes along (dx, dy), at most `go_m`, the robot being at (robot_dx, robot_dy) from here."""
+        touching_m = robot_radius_m + self.person.radius_m + SKIN_M
         distance = hypot(robot_dx, robot_dy)
-        if distance > touching_m + ARM_M + go_m:
-            return False
-        after = hypot(robot_dx - go_m * dx, robot_dy - go_m * dy)
-        if after < touching_m + SKIN_M and after < distance:
-            return True
-        ahead = robot_dx * dx + robot_dy * dy > AHEAD_COSINE * distance
-        return self.person.courteous and ahead and distance < touching_m + ARM_M
+        ahead = robot_dx * dx + robot_dy * dy
+        if ahead <= 0.0 or distance > touching_m + ARM_M + go_m:
+            return go_m
+        aside = abs(robot_dx * dy - robot_dy * dx)
+        if self.person.courteous and aside < touching_m + PASSING_M and distance < touching_m + ARM_M:
+            return 0.0
+        if aside >= touching_m:
+            return go_m
+        return min(go_m, max(0.0, ahead - sqrt(touching_m * touching_m - aside * aside)))
 
     def _next(self) -> tuple[float, ...]:
         return self.person.path[self._from + self._step]
