@@ -112,17 +112,23 @@ def on_wall(echoes: Echoes, alpha_rad: float) -> tuple[Array, Array]:
     return along, out
 
 
-def beyond_lines(echoes: Echoes, alpha_rad: Array, rho_m: Array) -> tuple[Array, Mask]:
-    """Return how far beyond each of k lines the echoes met a wall parallel to it, and whether it may have sent them: (k, n)."""
-    alpha = alpha_rad[:, None]
-    path = incidence(echoes, alpha)
-    out = echoes.x_m * np.cos(alpha) + echoes.y_m * np.sin(alpha) + echoes.range_m * np.cos(path)
-    return out - rho_m[:, None], np.abs(path) <= echoes.max_incidence_rad
+def met(echoes: Echoes, alpha_rad: Array, rho_m: Array) -> tuple[Array, Array]:
+    """Return where the echoes met walls parallel to each of k lines: how far beyond the line, and where along it, both (k, n).
+
+    Infinitely far beyond where a line's wall cannot have sent the echo.
+    """
+    path = incidence(echoes, alpha_rad[:, None])
+    line, echo = np.nonzero(np.abs(path) <= echoes.max_incidence_rad)
+    path = path[line, echo]
+    x, y, range_m = echoes.x_m[echo], echoes.y_m[echo], echoes.range_m[echo]
+    cosine, sine = np.cos(alpha_rad)[line], np.sin(alpha_rad)[line]
+    beyond, along = np.full((len(alpha_rad), len(echoes)), np.inf), np.zeros((len(alpha_rad), len(echoes)))
+    beyond[line, echo] = x * cosine + y * sine + range_m * np.cos(path) - rho_m[line]
+    along[line, echo] = y * cosine - x * sine + range_m * np.sin(path)
+    return beyond, along
 
 
-def expected_ranges(
-    echoes: Echoes, alpha_rad: float, rho_m: float, start_m: Array, end_m: Array, incidence_share: float = 1.0
-) -> Array:
+def expected_ranges(echoes: Echoes, alpha_rad: float, rho_m: float, start_m: Array, end_m: Array) -> Array:
     """Return the range at which each echo would have been heard from a wall alone: infinite where it would not.
 
     The wall is the part from `start_m` to `end_m` (arrays that broadcast against (n,)) of the carrier whose signed
@@ -133,9 +139,7 @@ def expected_ranges(
     foot = echoes.y_m * cosine - echoes.x_m * sine
     distance = rho_m - (echoes.x_m * cosine + echoes.y_m * sine)
     axis = wrap(echoes.bearing_rad - alpha_rad)
-    limit = np.minimum(
-        echoes.max_incidence_rad * incidence_share, pi / 2 - 0.01
-    )  # short of where the tangent has no end
+    limit = np.minimum(echoes.max_incidence_rad, pi / 2 - 0.01)  # short of where the tangent has no end
     low, high = np.maximum(axis - echoes.half_cone_rad, -limit), np.minimum(axis + echoes.half_cone_rad, limit)
     from_m = np.maximum(foot + distance * np.tan(low), start_m)
     to_m = np.minimum(foot + distance * np.tan(high), end_m)

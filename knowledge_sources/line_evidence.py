@@ -1,42 +1,46 @@
-"""What echoes prove of a wall, and what speaks against it."""
+"""What echoes prove of a wall.
+
+An echo heard in a cone proves that something stands somewhere on an arc, so it places a wall only to within a stretch of its line.
+A corner, an edge or a chair's leg explains all echoes whose stretches meet. Two of them always lie on a line: it takes three places
+that no single thing explains to prove a wall.
+"""
+
+from math import cos, pi, sin
 
 import numpy as np
 
-from knowledge_sources.echoes import Array, Echoes, Mask, expected_ranges, on_wall
+from knowledge_sources.echoes import Array, Echoes, wrap
 from knowledge_sources.line_fit import Fit
 
-UNHEARD = 9.0  # squared deviations that an echo counts which a wall cannot explain: three sigmas
 
+def stretches(echoes: Echoes, fit: Fit, tolerance_m: float) -> tuple[Array, Array]:
+    """Return from where to where along the line each echo's source may lie, if ranges err by no more than `tolerance_m`.
 
-def proved_part(echoes: Echoes, fit: Fit, slack: float) -> tuple[float, float]:
-    """Return from where to where along its line a wall must reach to have sent these echoes. At least one echo.
-
-    A cone that hears the foot of the perpendicular hears nearly the same from a wall that ends some way short of it,
-    so the outermost points prove no wall. Each end is drawn in as far as the echoes' squared deviations, in spreads,
-    rise by no more than `slack` above the least. Echoes of a corner draw in to a point.
+    An exact beam gives a point. The ends of an echo that the line does not explain are in reverse order.
     """
-    along, _ = on_wall(echoes, fit.alpha_rad)
-    places = np.sort(along)[:, None]  # (candidates, 1)
-    starts = np.flatnonzero(_explains(echoes, fit, places, places[-1:], slack))
-    start = places[starts[-1]]
-    places = places[starts[-1] :]
-    ends = np.flatnonzero(_explains(echoes, fit, start[None, :], places, slack))
-    return float(start[0]), float(places[ends[0], 0])
+    cosine, sine = cos(fit.alpha_rad), sin(fit.alpha_rad)
+    foot = echoes.y_m * cosine - echoes.x_m * sine
+    distance = fit.rho_m - (echoes.x_m * cosine + echoes.y_m * sine)
+    axis = wrap(echoes.bearing_rad - fit.alpha_rad)
+    upright = pi / 2 - 0.01  # short of where the tangent has no end
+    low = distance * np.tan(np.clip(axis - echoes.half_cone_rad, -upright, upright))
+    high = distance * np.tan(np.clip(axis + echoes.half_cone_rad, -upright, upright))
+    farthest = np.sqrt(np.maximum((echoes.range_m + tolerance_m) ** 2 - distance**2, 0.0))
+    nearest = np.sqrt(np.maximum((echoes.range_m - tolerance_m) ** 2 - distance**2, 0.0))
+    beam = echoes.half_cone_rad == 0.0
+    first = np.where(beam, low, np.maximum(low, np.where(low >= 0.0, nearest, -farthest)))
+    last = np.where(beam, high, np.minimum(high, np.where(high <= 0.0, -nearest, farthest)))
+    return foot + first, foot + last
 
 
-def _explains(echoes: Echoes, fit: Fit, start_m: Array, end_m: Array, slack: float) -> Mask:
-    """Say which of the candidates (k, 1) explain the echoes nearly as well as the best does."""
-    expected = expected_ranges(echoes, fit.alpha_rad, fit.rho_m, start_m, end_m)
-    cost = np.minimum(((echoes.range_m - expected) / fit.spread_m) ** 2, UNHEARD).sum(axis=1)
-    explains: Mask = cost <= cost.min() + slack
-    return explains
+def independent_places(first_m: Array, last_m: Array) -> list[tuple[float, float]]:
+    """Return the most stretches that do not meet, in order: so many things at least are needed to explain them all.
 
-
-def contradictions(
-    echoes: Echoes, fit: Fit, start_m: float, end_m: float, margin_m: float, incidence_share: float
-) -> Mask:
-    """Say which echoes came from more than `margin_m` beyond a wall that would have answered them first."""
-    start, end = np.array([start_m]), np.array([end_m])
-    nearer = expected_ranges(echoes, fit.alpha_rad, fit.rho_m, start, end, incidence_share)
-    beyond: Mask = echoes.range_m > nearer + margin_m
-    return beyond
+    Always that stretch is next which ends first (the greedy choice is optimal).
+    """
+    order = np.lexsort((first_m, last_m))
+    places: list[tuple[float, float]] = []
+    for first, last in zip(first_m[order].tolist(), last_m[order].tolist(), strict=True):
+        if not places or first > places[-1][1]:
+            places.append((first, last))
+    return places

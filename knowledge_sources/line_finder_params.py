@@ -16,11 +16,11 @@ class LineFinderParams:
     alpha_step_rad: float = radians(1.0)  # the thesis's
     rho_step_m: float = 0.05  # the thesis's
     reach_m: float = 10.0  # largest rho: a sonar's reach (the thesis's lab: 5 m)
-    min_votes: int = 6  # fewer do not prove a line however empty the rest
+    min_votes: int = 10  # fewer do not prove a line however empty the rest
     chance_sigmas: float = 6.0  # each strong wall adds chance votes around its own cell, so three is too few
     cluster_fraction: float = 0.5  # of the mean of the earlier max-min distances: the thesis's
     line_distance_m: float = 0.10  # two cells of rho: what clustering leaves uncertain
-    min_support: int = 6
+    min_support: int = 10  # each of five places twice
     min_length_m: float = 0.25
 
     max_incidence_rad: float = radians(30.0)  # further off its normal a smooth wall answers no sonar
@@ -29,13 +29,14 @@ class LineFinderParams:
         0.3  # lines this far apart (at 2.9 m, where one step of alpha is one of rho) stay apart
     )
     fit_distance_m: float = 0.05  # three to five deviations of a sonar's noise
-    max_spread_m: float = 0.03  # echoes that spread more are of no flat wall
-    max_tilt_rad: float = radians(1.5)  # so that two deviations are 3 degrees
-    max_bend: float = 8.0  # F statistic; chance gives 4 one time in a hundred, and the best of many breaks is tried
-    slack: float = 2.0  # squared deviations that a shorter line may cost
-    contradiction_margin_m: float = 0.15  # beyond noise and a small error of the pose
-    max_contradicted_fraction: float = 0.2  # of the support
-    passes: int = 2  # the second finds what the first's strong lines drowned
+    max_spread_m: float = 0.02  # twice a sonar's noise: echoes that spread more are of no flat wall
+    max_tilt_rad: float = radians(1.0)  # so that three deviations are 3 degrees
+    max_bend: float = 6.0  # F statistic; chance gives 4 one time in a hundred, and the best of many breaks is tried
+    tolerance_sigmas: float = 2.0  # how far an echo may lie from where its wall would have sent it
+    min_places: int = 5  # two things always lie on a line, and three or four may by chance
+    contradiction_margin_m: float = 0.08  # beyond noise and a small error of the pose
+    max_contradicted_fraction: float = 0.03  # of the support: cross-talk and what moves
+    passes: int = 1  # another seeks in what the first left: a few lines more for twice the time
 
     def __post_init__(self) -> None:
         require(
@@ -52,7 +53,7 @@ class LineFinderParams:
             self.max_beam_incidence_rad,
             "(0, pi/2]",
         )
-        for name in ("keep_batches", "min_votes", "passes"):
+        for name in ("keep_batches", "min_votes", "min_places", "passes"):
             require(getattr(self, name) >= 1, name, getattr(self, name), "1 and more")
         for name in (
             "line_distance_m",
@@ -63,5 +64,11 @@ class LineFinderParams:
             "max_bend",
         ):
             require(getattr(self, name) > 0.0, name, getattr(self, name), "more than 0")
-        for name in ("chance_sigmas", "min_length_m", "slack", "contradiction_margin_m", "max_contradicted_fraction"):
+        for name in (
+            "chance_sigmas",
+            "min_length_m",
+            "tolerance_sigmas",
+            "contradiction_margin_m",
+            "max_contradicted_fraction",
+        ):
             require(getattr(self, name) >= 0.0, name, getattr(self, name), "0 and more")

@@ -24,7 +24,7 @@ class Fit:
     tilt_rad: float  # standard deviation of alpha
 
 
-def refit(echoes: Echoes, alpha_rad: float, rho_m: float, rounds: int) -> Fit:
+def refit(echoes: Echoes, alpha_rad: float, rho_m: float, rounds: int) -> tuple[Fit, Array, Array]:
     """Return the line of least squares through the echoes' points on it, beginning with a line nearby. At least one
     echo.
 
@@ -42,15 +42,33 @@ def refit(echoes: Echoes, alpha_rad: float, rho_m: float, rounds: int) -> Fit:
         lever = along - centre
         moment = float(weight @ (lever * lever))
         if moment < 1e-6:  # the points are one point: nothing says how the line lies
-            return Fit(alpha_rad, mean, spread, pi)
+            return Fit(alpha_rad, mean, spread, pi), along, out
         turn = -atan(float(weight @ (lever * (out - mean))) / moment)
         # The line turns about the points' mean, which lies elsewhere along the turned normal.
         alpha_rad, rho_m = alpha_rad + turn, mean * cos(turn) + centre * sin(turn)
         tilt = spread / sqrt(moment)
-    _, out = on_wall(echoes, alpha_rad)
+    along, out = on_wall(echoes, alpha_rad)
     deviation = out - rho_m
     spread = max(sqrt(float(deviation @ deviation) / len(deviation)), SPREAD_FLOOR_M)
-    return Fit(alpha_rad, rho_m, spread, tilt)
+    return Fit(alpha_rad, rho_m, spread, tilt), along, out
+
+
+def refit_all(beyond_m: Array, along_m: Array, alpha_rad: Array, rho_m: Array, width_m: float) -> tuple[Array, Array]:
+    """Return k lines after one Gauss-Newton step each, from where n echoes met their walls (k, n).
+
+    Cauchy weights of half this width; none for what lies further off than the width.
+    """
+    near = np.abs(beyond_m) <= width_m
+    beyond = np.where(near, beyond_m, 0.0)
+    weight = near / (1.0 + (beyond / (width_m / 2.0)) ** 2)
+    total = np.maximum(weight.sum(axis=1), 1e-9)
+    centre, mean = (weight * along_m).sum(axis=1) / total, (weight * beyond).sum(axis=1) / total
+    lever = along_m - centre[:, None]
+    weighted = weight * lever
+    moment = np.maximum((weighted * lever).sum(axis=1), 1e-6)
+    turn = -np.arctan((weighted * (beyond - mean[:, None])).sum(axis=1) / moment)
+    # As in `refit`: the line turns about its points' mean.
+    return alpha_rad + turn, (rho_m + mean) * np.cos(turn) + centre * np.sin(turn)
 
 
 def bend(along_m: Array, out_m: Array, smallest: int) -> tuple[int, float]:

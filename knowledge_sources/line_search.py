@@ -6,22 +6,22 @@ Method "axis" is Bou-Ghannam 1992, section 5.2.3: steps 1 to 8, which are the fu
 """
 
 from dataclasses import dataclass
-from math import cos, pi, radians, sin
+from math import cos, pi, sin
 
 import numpy as np
 
 from blackboard.messages.geometry import Point, wrap_angle
 from blackboard.messages.world import Line, PointSet
-from knowledge_sources.echoes import Array, Echoes, Index, Mask, beyond_lines, echoes_of, on_wall, points_on_axis
+from knowledge_sources.echoes import Array, Echoes, Index, echoes_of, expected_ranges, met, on_wall, points_on_axis
 from knowledge_sources.hough import HoughSpace, accumulate, cell_lines, chance_threshold, heaviest_nearby, heavy_cells
 from knowledge_sources.line_clusters import cluster_lines, mean_line
-from knowledge_sources.line_evidence import contradictions, proved_part
+from knowledge_sources.line_evidence import independent_places, stretches
 from knowledge_sources.line_finder_params import LineFinderParams
-from knowledge_sources.line_fit import Fit, bend, refit
+from knowledge_sources.line_fit import bend, refit, refit_all
 from knowledge_sources.line_points import group, order, split_at_breaks
 
 PEAK_ALPHA_CELLS, PEAK_RHO_CELLS = 3, 1  # a wall's own votes outside its cell reach about so far
-LARGEST_TURN_RAD = radians(10.0)  # a refit that turns further has left its wall for another
+SAME_LINE = 0.8  # of its echoes belong to a line already, so this is that line once more
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,36 +72,44 @@ def lines_of_echoes(echoes: Echoes, largest_gap_m: float, params: LineFinderPara
     for _ in range(params.passes):
         rest = echoes.take(free)
         taken = np.zeros(len(free), dtype=bool)
-        alpha, rho = clustered_lines(rest, params)
-        # A wall faces its sensors, so each line is tried from both sides.
-        alpha, rho = np.stack([alpha, alpha + pi], axis=1).ravel(), np.stack([rho, -rho], axis=1).ravel()
-        beyond, possible = beyond_lines(rest, alpha, rho)
-        beyond[~possible] = np.inf
+        alpha, rho, beyond = sharp_lines(rest, *clustered_lines(rest, params), params)
         for a, r, distance in zip(alpha.tolist(), rho.tolist(), beyond, strict=True):
-            near = group(np.where(taken, np.inf, distance), params.line_distance_m)
+            near = group(np.where(taken, np.inf, distance), params.fit_distance_m)
             if len(near) < params.min_support:
                 continue
             along, _ = on_wall(rest.take(near), a)
             for run in split_at_breaks(along, order(along, np.arange(len(near))), largest_gap_m):
-                members = near[run]
-                if len(members) < params.min_support or taken[members].any():
-                    continue
-                for piece in settle(rest, members, a, r, ~taken, largest_gap_m, params):
-                    against = contradictions(
-                        echoes,
-                        Fit(piece.alpha_rad, piece.rho_m, 0.0, 0.0),
-                        piece.start_m,
-                        piece.end_m,
-                        params.contradiction_margin_m,
-                        0.5,
-                    )
-                    if np.count_nonzero(against) <= params.max_contradicted_fraction * len(piece.members):
+                for piece in straight_pieces(rest, near[run], a, r, params):
+                    if is_borne_out(piece, echoes, params):
                         taken[piece.members] = True
                         found.append(piece)
         free = free[~taken]
         if not taken.any() or len(free) < params.min_support:
             break
     return found
+
+
+def sharp_lines(echoes: Echoes, alpha_rad: Array, rho_m: Array, params: LineFinderParams) -> tuple[Array, Array, Array]:
+    """Return the lines (k,) as walls seen from one side, drawn to their echoes, and how far beyond each the echoes lie (k, n).
+
+    A wall faces its sensors, so each line is tried from both sides. Lines that come to the same echoes are one.
+    """
+    alpha, rho = np.concatenate([alpha_rad, alpha_rad + pi]), np.concatenate([rho_m, -rho_m])
+    for width_m in (params.line_distance_m, params.fit_distance_m, params.fit_distance_m):
+        beyond, along = met(echoes, alpha, rho)
+        supported = np.count_nonzero(np.abs(beyond) <= width_m, axis=1) >= params.min_support
+        alpha, rho = refit_all(beyond[supported], along[supported], alpha[supported], rho[supported], width_m)
+    beyond, along = met(echoes, alpha, rho)
+    members = np.abs(beyond) <= params.fit_distance_m
+    size = members.sum(axis=1)
+    chosen: list[int] = []
+    for k in np.argsort(-size, kind="stable").tolist():
+        if size[k] < params.min_support:
+            break
+        shared = np.count_nonzero(members[chosen] & members[k], axis=1)
+        if (shared <= SAME_LINE * size[k]).all():
+            chosen.append(k)
+    return alpha[chosen], rho[chosen], beyond[chosen]
 
 
 def clustered_lines(echoes: Echoes, params: LineFinderParams) -> tuple[Array, Array]:
@@ -139,44 +147,39 @@ def clustered_lines(echoes: Echoes, params: LineFinderParams) -> tuple[Array, Ar
     return mean[:, 0], mean[:, 1] + shift
 
 
-def settle(
-    echoes: Echoes,
-    members: Index,
-    alpha_rad: float,
-    rho_m: float,
-    free: Mask,
-    largest_gap_m: float,
-    params: LineFinderParams,
+def straight_pieces(
+    echoes: Echoes, members: Index, alpha_rad: float, rho_m: float, params: LineFinderParams
 ) -> list[Piece]:
-    """Return the pieces of wall that a run of a line's echoes comes to when it is fitted and its neighbours are asked anew."""
-    fit = refit(echoes.take(members), alpha_rad, rho_m, rounds=3)
-    if abs(wrap_angle(fit.alpha_rad - alpha_rad)) > LARGEST_TURN_RAD:
-        return []
-    beyond, possible = beyond_lines(echoes, np.array([fit.alpha_rad]), np.array([fit.rho_m]))
-    near = group(np.where(free & possible[0], beyond[0], np.inf), params.fit_distance_m)
-    along, _ = on_wall(echoes.take(near), fit.alpha_rad)
-    runs = split_at_breaks(along, order(along, np.arange(len(near))), largest_gap_m)
-    return straight_pieces(echoes, near[max(runs, key=len)], fit, params) if runs else []
-
-
-def straight_pieces(echoes: Echoes, members: Index, fit: Fit, params: LineFinderParams) -> list[Piece]:
     """Return the piece of wall that these echoes prove, or its parts where it bends; none that is unsure or too short."""
     if len(members) < params.min_support:
         return []
     own = echoes.take(members)
-    fit = refit(own, fit.alpha_rad, fit.rho_m, rounds=2)
-    along, out = on_wall(own, fit.alpha_rad)
+    fit, along, out = refit(own, alpha_rad, rho_m, rounds=2)
     by_place = order(along, np.arange(len(members)))
     at, better = bend(along[by_place], out[by_place], params.min_support // 2)
     if better > params.max_bend:
-        first, second = members[by_place[:at]], members[by_place[at:]]
-        return straight_pieces(echoes, first, fit, params) + straight_pieces(echoes, second, fit, params)
+        halves = members[by_place[:at]], members[by_place[at:]]
+        return [p for half in halves for p in straight_pieces(echoes, half, fit.alpha_rad, fit.rho_m, params)]
     if fit.spread_m > params.max_spread_m or fit.tilt_rad > params.max_tilt_rad:
         return []
-    start, end = proved_part(own, fit, params.slack)
+    first, last = stretches(own, fit, params.tolerance_sigmas * fit.spread_m)
+    explained = first <= last
+    first, last = first[explained], last[explained]
+    if len(independent_places(first, last)) < params.min_places:
+        return []
+    # No wall need reach further than to the first stretch's end and to the last one's beginning.
+    start, end = float(last.min()), float(first.max())
     if end - start < params.min_length_m:
         return []
     return [Piece(fit.alpha_rad, fit.rho_m, start, end, members, float(np.abs(out - fit.rho_m).max()))]
+
+
+def is_borne_out(piece: Piece, echoes: Echoes, params: LineFinderParams) -> bool:
+    """Say whether hardly any echo came from beyond the piece that should have come from it."""
+    start, end = np.array([piece.start_m]), np.array([piece.end_m])
+    expected = expected_ranges(echoes, piece.alpha_rad, piece.rho_m, start, end)
+    against = int(np.count_nonzero(echoes.range_m > expected + params.contradiction_margin_m))
+    return against <= params.max_contradicted_fraction * len(piece.members)
 
 
 def as_line(piece: Piece) -> Line:
