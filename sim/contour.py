@@ -1,7 +1,8 @@
 """Outlines of a bitmap: free cells become polygons whose slanted edges are straight and not stairs.
 
-Marching squares through the middles between cells, then Douglas-Peucker simplification. Solid cells that touch at a corner
-are taken as joined, so that a wall one cell thin has no holes.
+Marching squares through the middles between cells; right-angled corners, which these cut off, are put back where both legs
+are straight for a cell and more; then Douglas-Peucker simplification. Solid cells that touch at a corner are taken as
+joined, so that a wall one cell thin has no holes.
 """
 
 from itertools import combinations
@@ -11,7 +12,8 @@ import numpy.typing as npt
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-TOLERANCE_CELLS = 0.6  # stairs of one cell deviate from their slanted edge by at most half a cell
+LEG_CELLS = 1.0  # a stair's riser is straight for less
+TOLERANCE_CELLS = 1.0  # stairs of one cell swing by nearly half a cell to either side of their slanted edge
 
 
 def outline_free(free: npt.NDArray[np.bool_], tolerance_cells: float = TOLERANCE_CELLS) -> BaseGeometry:
@@ -28,9 +30,23 @@ def outline_free(free: npt.NDArray[np.bool_], tolerance_cells: float = TOLERANCE
     for corner in range(4):  # cut off each free corner of a saddle: it lies between the side before it and its own
         rows, columns = np.nonzero(saddle & corners[corner])
         pieces.append(_pieces(rows, columns, middles[corner - 1], middles[corner]))
-    lines = shapely.multilinestrings(shapely.linestrings(np.concatenate(pieces)))
-    area = shapely.build_area(shapely.line_merge(lines))
+    contours = shapely.line_merge(shapely.multilinestrings(shapely.linestrings(np.concatenate(pieces))))
+    rings = [shapely.linearrings(_square(np.asarray(ring.coords)[:-1])) for ring in shapely.get_parts(contours)]
+    area = shapely.build_area(shapely.geometrycollections(rings))
     return shapely.make_valid(area.simplify(tolerance_cells, preserve_topology=True))
+
+
+def _square(ring: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Put back the corners of a closed contour, (k, 2): where it cuts across a corner between two straight legs."""
+    step = np.roll(ring, -1, axis=0) - ring
+    ring = ring[(np.abs(step - np.roll(step, 1, axis=0)) > 1e-9).any(axis=1)]  # only where it bends
+    leg = np.roll(ring, -1, axis=0) - ring  # from each bend to the next
+    straight = (np.abs(leg).min(axis=1) < 1e-9) & (np.abs(leg).max(axis=1) > LEG_CELLS - 1e-9)
+    cut = (np.abs(np.abs(leg) - 0.5) < 1e-9).all(axis=1) & np.roll(straight, 1) & np.roll(straight, -1)
+    before = np.roll(leg, 1, axis=0)
+    before /= np.maximum(np.abs(before).max(axis=1, keepdims=True), 1e-9)
+    squared = np.where(cut[:, None], ring + 0.5 * before, ring)  # the corner takes the place of the cut's first end
+    return np.asarray(squared[~np.roll(cut, 1)])
 
 
 def _pieces(

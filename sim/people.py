@@ -81,7 +81,9 @@ class Walker:
         if go_m >= left_m:
             self._arrive()
 
-    def _way_m(self, dx: float, dy: float, go_m: float, robot_dx: float, robot_dy: float, robot_radius_m: float) -> float:
+    def _way_m(
+        self, dx: float, dy: float, go_m: float, robot_dx: float, robot_dy: float, robot_radius_m: float
+    ) -> float:
         """Return how far one goes along (dx, dy), at most `go_m`, the robot being at (robot_dx, robot_dy) from here."""
         touching_m = robot_radius_m + self.person.radius_m + SKIN_M
         distance = hypot(robot_dx, robot_dy)
