@@ -25,14 +25,12 @@ def told_step(
         + model.heading_noise_rad * root * noise_heading
         + model.turn_noise_rad * sqrt(turn_rad) * noise_turn
     )
-    scale = model.distance_scale
-    if distance_m > 0.0:
-        scale += model.distance_noise_m * noise_distance / root
+    slip_m = model.distance_noise_m * root * noise_distance
     half_excess = (turn - step.heading_rad) / 2.0  # the chord of an arc turns by half of what the heading turns
-    c, s = cos(half_excess), sin(half_excess)
+    c, s, scale = cos(half_excess), sin(half_excess), model.distance_scale
     return Pose(
-        x_m=scale * (c * step.x_m - s * step.y_m),
-        y_m=scale * (s * step.x_m + c * step.y_m),
+        x_m=scale * (c * step.x_m - s * step.y_m) + slip_m * cos(turn / 2.0),
+        y_m=scale * (s * step.x_m + c * step.y_m) + slip_m * sin(turn / 2.0),
         heading_rad=wrap_angle(turn),
     )
 

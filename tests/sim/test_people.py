@@ -87,7 +87,8 @@ def test_nobody_walks_into_the_robot(courteous: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("key", "value"), [("speed_mps", 0.0), ("pause_s", -1.0), ("radius_m", 0.0), ("patience_s", -1.0), ("path", ((0.0, 0.0),))]
+    ("key", "value"),
+    [("speed_mps", 0.0), ("pause_s", -1.0), ("radius_m", 0.0), ("patience_s", -1.0), ("path", ((0.0, 0.0),))],
 )
 def test_impossible_people_are_refused(key: str, value: object) -> None:
     with pytest.raises(MissionError, match=key):

@@ -45,8 +45,12 @@ def test_a_circle_hides_the_wall_behind_it() -> None:
     assert hits.ranges_m[0, [0, 2]].tolist() == pytest.approx([edge, edge])
 
 
-@pytest.mark.parametrize(("first", "span", "ray"), [(0.05, 0.2, 0), (-0.25, 0.2, -1), (0.05, pi, 0), (-0.05 - pi, pi, -1)])
-def test_a_circle_centred_beyond_the_first_or_last_ray_reaches_into_the_fan(first: float, span: float, ray: int) -> None:
+@pytest.mark.parametrize(
+    ("first", "span", "ray"), [(0.05, 0.2, 0), (-0.25, 0.2, -1), (0.05, pi, 0), (-0.05 - pi, pi, -1)]
+)
+def test_a_circle_centred_beyond_the_first_or_last_ray_reaches_into_the_fan(
+    first: float, span: float, ray: int
+) -> None:
     hits = cast(fan(1.0, 2.5, first, span, 5), shapes(shapely.box(0, 0, 8, 5), np.array([[4.0, 2.5, 0.5]])))
     assert hits.ranges_m[0, ray] == pytest.approx(3 * cos(0.05) - (0.25 - (3 * sin(0.05)) ** 2) ** 0.5)
 

@@ -19,7 +19,9 @@ CONE = radians(12.0)
 MODEL = SonarModel(cone_rad=CONE, max_range_m=10.0, bearings_deg=(0.0,))
 
 
-def world(free: shapely.Geometry, circles: list[tuple[float, float, float]] | None = None, rough: bool = False) -> Shapes:
+def world(
+    free: shapely.Geometry, circles: list[tuple[float, float, float]] | None = None, rough: bool = False
+) -> Shapes:
     rows = np.array(circles or [], dtype=float).reshape(-1, 3)
     things = free.boundary.buffer(1e-6) if rough else shapely.Polygon()
     return shapes_around(free, things, rows, np.zeros(len(rows), dtype=bool))
