@@ -126,8 +126,9 @@ def test_the_bumper_speaks_when_it_changes() -> None:
     simulated.drive(command(0.0, pi / 6))
     bumps = [r for r in simulated.advance(8.0) if r.kind is BUMPER]
     assert bumps[-1].value.bearings_rad[0] < -pi / 4  # the wall is to the right of where it looks now
+    simulated.advance(10.0)  # half a turn
     simulated.drive(command(0.4, 0.0))
-    assert [r for r in simulated.advance(10.0) if r.kind is BUMPER][-1].value.bearings_rad == ()
+    assert [r for r in simulated.advance(12.0) if r.kind is BUMPER][-1].value.bearings_rad == ()
     assert simulated.summary()["collisions"] == 1
 
 
