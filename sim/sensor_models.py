@@ -88,18 +88,15 @@ class SonarModel:
     missed_fraction: float = 0.02  # echoes that are not heard for no reason
     cross_talk_fraction: float = 0.002  # readings that take another sonar's sound for their own
     critical_incidence_rad: float = radians(30.0)  # beyond it a smooth wall throws the sound away
+    rough_incidence_rad: float = radians(60.0)  # beyond it a rough surface does too
     ray_step_rad: float = radians(1.0)  # the cone's edge is always met; thin things are found whatever this is
 
     def __post_init__(self) -> None:
         require(0.0 < self.cone_rad <= pi, "cone_rad", self.cone_rad, "(0, pi]")
         require(0.0 < self.max_range_m <= 1000.0, "max_range_m", self.max_range_m, "(0, 1000]")
         require(0.0 < self.ray_step_rad <= pi, "ray_step_rad", self.ray_step_rad, "(0, pi]")
-        require(
-            0.0 < self.critical_incidence_rad <= pi / 2,
-            "critical_incidence_rad",
-            self.critical_incidence_rad,
-            "(0, pi/2]",
-        )
+        for key in ("critical_incidence_rad", "rough_incidence_rad"):
+            require(0.0 < getattr(self, key) <= pi / 2, key, getattr(self, key), "(0, pi/2]")
         _rate(self.rate_hz)
         _latency(self.latency_s)
         for key in ("noise_m", "noise_fraction", "ring_radius_m"):

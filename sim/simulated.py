@@ -259,7 +259,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         assert model is not None
         assert fans is not None
         here = fans.moved(base.x_m, base.y_m, base.heading_rad)
-        echo, nearest = true_echoes(here, shapes, model.critical_incidence_rad)
+        echo, nearest = true_echoes(here, shapes, model)
         echoes = fire(echo, nearest, model, self._sonar_rng)
         self._echoes_lost += int(echoes.lost.sum())
         self._cross_talk += int(echoes.cross_talk.sum())

@@ -1,8 +1,8 @@
 """A ring of sonars: cones in which the nearest echo that comes back is heard.
 
-A smooth wall throws sound away beyond a critical angle of incidence and is heard only nearer to the perpendicular; edges,
-right-angled corners, round things and rough surfaces send some of it back from everywhere (Leonard and Durrant-Whyte 1992,
-chapter 2). What throws sound away still hides what is behind it.
+A smooth wall throws sound away beyond a critical angle of incidence and is heard only nearer to the perpendicular, a rough one
+at wider angles; edges, right-angled corners and round things send some of it back from everywhere (Leonard and
+Durrant-Whyte 1992, chapter 2). What throws sound away still hides what is behind it.
 """
 
 from dataclasses import dataclass
@@ -43,13 +43,14 @@ def sonar_fans(model: SonarModel) -> Fans:
     )
 
 
-def true_echoes(fans: Fans, shapes: Shapes, critical_incidence_rad: float) -> tuple[Floats, Floats]:
+def true_echoes(fans: Fans, shapes: Shapes, model: SonarModel) -> tuple[Floats, Floats]:
     """Return for each cone the range of the nearest echo, and that of the nearest thing, heard or not; inf where none."""
     hits = cast(fans, shapes)
     rough = np.concatenate(
         (shapes.segments.rough, shapes.circle_rough, [False])
     )  # the last stands for nothing, index -1
-    heard = (incidence_cosines(hits, fans, shapes) >= cos(critical_incidence_rad)) | rough[hits.thing]
+    least = np.where(rough, cos(model.rough_incidence_rad), cos(model.critical_incidence_rad))
+    heard = incidence_cosines(hits, fans, shapes) >= least[hits.thing]
     echo: Floats = np.where(heard, hits.ranges_m, np.inf).min(axis=1)
     _hear_points(echo, hits, fans, *_corners_in_cones(hits, fans, shapes))
     _hear_points(echo, hits, fans, *_circles_in_cones(hits, fans, shapes))

@@ -1,5 +1,6 @@
 """Echoes of cones: hand-worked geometry of walls, corners, edges and legs; noise, missed echoes, cross-talk."""
 
+from dataclasses import replace
 from math import cos, pi, radians, sin
 
 import numpy as np
@@ -32,7 +33,8 @@ def cone(x: float, y: float, heading: float) -> Fans:
 
 
 def echo(x: float, y: float, heading: float, shapes: Shapes, critical: float = CRITICAL) -> float:
-    return float(true_echoes(cone(x, y, heading), shapes, critical)[0][0])
+    model = replace(MODEL, critical_incidence_rad=critical)
+    return float(true_echoes(cone(x, y, heading), shapes, model)[0][0])
 
 
 HALL = shapely.box(-50, -50, 4, 50)  # one wall that matters: x = 4
@@ -54,9 +56,14 @@ def test_a_wall_within_half_the_cone_is_heard_at_its_perpendicular() -> None:
 def test_a_wall_at_45_degrees_throws_the_sound_away_but_a_rough_one_does_not() -> None:
     heading = radians(45.0)
     assert echo(0.0, 0.0, heading, world(HALL)) == float("inf")
-    nearest = float(true_echoes(cone(0.0, 0.0, heading), world(HALL), CRITICAL)[1][0])
+    nearest = float(true_echoes(cone(0.0, 0.0, heading), world(HALL), MODEL)[1][0])
     assert nearest == pytest.approx(4.0 / cos(radians(39.0)))  # it is there, though
     assert echo(0.0, 0.0, heading, world(HALL, rough=True)) == pytest.approx(4.0 / cos(radians(39.0)))
+
+
+def test_a_rough_wall_has_its_own_critical_angle() -> None:
+    for degrees, heard in ((65.9, True), (66.1, False)):
+        assert np.isfinite(echo(0.0, 0.0, radians(degrees), world(HALL, rough=True))) == heard
 
 
 def test_the_critical_angle_is_where_it_says() -> None:
