@@ -146,13 +146,14 @@ def test_the_battery_drains_and_an_empty_robot_stands(tmp_path: Path) -> None:
     assert float(simulated.summary()["distance_m"]) == pytest.approx(2.0, abs=0.15)
 
 
-def test_people_walk_only_when_asked_for_and_change_nobodys_numbers() -> None:
-    assert robot().people_at() == []
-    with_people = robot(replace(PIONEER, people=True))
-    before = with_people.people_at()
-    with_people.advance(5.0)
-    assert before != with_people.people_at()
+def test_people_walk_only_when_asked_for_and_change_no_other_random_number() -> None:
+    alone, accompanied = robot(replace(PIONEER, people=False)), robot(PIONEER)
+    assert alone.people_at() == []
+    before = accompanied.people_at()
     assert len(before) == 3
+    told = [text([r for r in run(simulated, 3.0) if r.kind is ODOMETRY]) for simulated in (alone, accompanied)]
+    assert told[0] == told[1]
+    assert before != accompanied.people_at()
 
 
 def test_people_are_heard() -> None:
@@ -166,7 +167,7 @@ def test_people_are_heard() -> None:
     assert shorter > 50
 
 
-def test_a_person_without_a_way_does_not_walk_into_a_robot_that_stands(tmp_path: Path) -> None:
+def test_a_person_in_a_narrow_place_does_not_walk_into_a_robot_that_stands(tmp_path: Path) -> None:
     world = tmp_path / "path.toml"
     world.write_text(
         "[floor]\noutline = [[0, 0], [8, 0], [8, 1.2], [0, 1.2], [0, 0]]\n[start]\nx_m = 4.0\ny_m = 0.6\n"
