@@ -15,7 +15,7 @@ TOUCH_M = 1e-3  # nearer than this is contact
 APART_M = 5e-3  # and beyond this contact has ended
 SAME_CONTACT_RAD = 0.7  # bearings nearer to each other than this are one contact
 PUSHING_MPS = 0.01  # slower than this towards the contact, the robot did not cause it
-LOOK_M = 2.0  # how far round the robot obstacles are looked up; only what is within one step can matter
+LOOK_M = 2.0  # how far from its rim obstacles are looked up; only what is within one step can matter
 HALVINGS = 7
 
 
@@ -49,7 +49,8 @@ class Base:
 
     def __init__(self, body: Body, shapes: Shapes, start: Pose) -> None:
         self._body = body
-        self._near = Neighbourhood(shapes, LOOK_M)
+        self._look_m = body.radius_m + LOOK_M
+        self._near = Neighbourhood(shapes, self._look_m)
         self.x_m, self.y_m, self.heading_rad = start.x_m, start.y_m, start.heading_rad
         self.forward_mps = 0.0
         self.turn_radps = 0.0
@@ -73,15 +74,14 @@ class Base:
         mean = (before + self.forward_mps) / 2.0
         way, turn = mean * dt_s, (before_turn + self.turn_radps) / 2.0 * dt_s
         if way or turn:
-            way, turn = self._move(way, turn, walkers)
-            self.distance_m += abs(way)
+            self.distance_m += self._move(way, turn, walkers)
             self.turned_rad += abs(turn)
         near = way != 0.0 and self._room_m < APART_M
         if near or self.contacts.bearings_rad or any(self._gap_m(w) < APART_M for w in walkers):
             self._feel(mean, walkers)
 
-    def _move(self, way_m: float, turn_rad: float, walkers: Sequence[Walker]) -> tuple[float, float]:
-        """Go along the arc as far as nothing is in the way; return the way and the turn that were made."""
+    def _move(self, way_m: float, turn_rad: float, walkers: Sequence[Walker]) -> float:
+        """Turn, and go along the arc as far as nothing is in the way; return how far that was."""
         pose = arc(self.x_m, self.y_m, self.heading_rad, way_m, turn_rad)
         if not self._free(pose[0], pose[1], abs(way_m), walkers):
             free, blocked = 0.0, 1.0
@@ -95,7 +95,7 @@ class Base:
             x, y, _heading = arc(self.x_m, self.y_m, self.heading_rad, way_m, free * turn_rad)
             pose = (x, y, wrap_angle(self.heading_rad + turn_rad))  # a round body can still turn
         self.x_m, self.y_m, self.heading_rad = pose
-        return way_m, turn_rad
+        return abs(way_m)
 
     def _free(self, x_m: float, y_m: float, way_m: float | None, walkers: Sequence[Walker]) -> bool:
         """Say whether the body fits at a place; `way_m`, the way there, is taken off the room that is known to be free."""
@@ -107,7 +107,7 @@ class Base:
             if self._room_m > 0.0:
                 return True
         distance = self._near.at(x_m, y_m).distances_m(x_m, y_m)[0]
-        room = float(min(distance.min(initial=LOOK_M), LOOK_M)) - self._body.radius_m - SKIN_M
+        room = float(distance.min(initial=self._look_m)) - self._body.radius_m - SKIN_M
         self._room_m = max(room, 0.0)
         return room >= 0.0
 

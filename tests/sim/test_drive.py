@@ -1,5 +1,6 @@
 """The body: speeds, arcs, and contact with walls and people."""
 
+from dataclasses import replace
 from math import cos, inf, pi, sin
 
 import numpy as np
@@ -137,3 +138,18 @@ def test_driving_into_a_person_is_the_robots_fault() -> None:
     go(robot, 0.5, 0.0, 8.0, (walker,))
     assert robot.contacts.caused == 1
     assert robot.contacts.by_others == 0
+
+
+def test_a_body_larger_than_the_look_around_moves_freely() -> None:
+    large = replace(BODY, radius_m=2.2)
+    empty = shapes_around(shapely.box(0, 0, 30, 30), shapely.Polygon(), np.zeros((0, 3)), np.zeros(0, dtype=bool))
+    robot = Base(large, empty, Pose(x_m=10.0, y_m=10.0, heading_rad=0.0))
+    go(robot, 0.5, 0.0, 60.0)
+    assert robot.x_m == pytest.approx(27.8, abs=1e-3)
+    assert robot.contacts.caused == 1
+
+
+def test_driving_off_into_a_wall_that_is_all_but_touched_counts() -> None:
+    robot = base(7.6985, 4.0)
+    go(robot, 0.5, 0.0, 1.0)
+    assert robot.contacts.caused == 1
