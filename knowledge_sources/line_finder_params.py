@@ -23,7 +23,9 @@ class LineFinderParams:
     min_support: int = 10  # each of five places twice
     min_length_m: float = 0.25
 
-    max_incidence_rad: float = radians(30.0)  # further off its normal a smooth wall answers no sonar
+    max_incidence_rad: float = radians(
+        60.0
+    )  # smooth walls answer sonars to some 30 degrees off the normal, rough ones to this
     max_beam_incidence_rad: float = radians(80.0)  # further off a laser's spot is smeared over too much of the wall
     cluster_resolution_m: float = (
         0.3  # lines this far apart (at 2.9 m, where one step of alpha is one of rho) stay apart

@@ -1,0 +1,166 @@
+"""Raw readings as points, without those that the grid does not bear out (Bou-Ghannam 1992, section 5.2.2).
+
+Triggered by  observations/signal/sonar_scan    SonarScan
+              observations/signal/laser_scan    LaserScan
+Reads         status/robot, hypotheses/feature/grid,
+              observations/feature/odom_from_robot, hypotheses/feature/map_from_odom
+Posts         observations/feature/supported_points    PointSet: a batch, as soon as enough have come
+"""
+
+from dataclasses import dataclass
+from math import cos, hypot, sin
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from blackboard.access import Access
+from blackboard.component import KnowledgeSource
+from blackboard.entry import Entry, Support
+from blackboard.grid import EMPTY_MAX, Grid
+from blackboard.kinds import GRID, LASER_SCAN, ROBOT, SONAR_SCAN, SUPPORTED_POINTS
+from blackboard.messages.geometry import Pose, pack_array, wrap_angle
+from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan
+from blackboard.messages.world import PointSet
+from blackboard.parameters import require
+from knowledge_sources.poses import READS, map_from_robot_at
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterRawParams:
+    """Which readings count, and how many make a batch."""
+
+    batch_points: int = 500  # the thesis's: some 45 scans of a ring of twelve
+    use_grid: bool = True  # false: nothing is dropped, to see what the filter is worth
+    max_range_m: float = 5.0  # further echoes are blurred by the cone and by the heading's error
+    min_step_m: float = 0.05  # a robot that stands still hears the same again: a scan counts after moving a cell
+    min_turn_rad: float = 0.05  # or turning by some 3 degrees
+    laser_step_m: float = 0.1  # ends of beams nearer to each other than that count once: two cells of the grid
+    least_points: int = 50  # what is left at the end makes a batch if it is more than a tenth of one
+
+    def __post_init__(self) -> None:
+        require(10 <= self.batch_points <= 100_000, "batch_points", self.batch_points, "[10, 100000]")
+        require(0 < self.max_range_m <= 1000, "max_range_m", self.max_range_m, "(0, 1000] metres")
+        require(0 <= self.min_step_m <= 10, "min_step_m", self.min_step_m, "[0, 10] metres")
+        require(0 <= self.min_turn_rad <= 6.3, "min_turn_rad", self.min_turn_rad, "[0, 6.3]")
+        require(0 <= self.laser_step_m <= 10, "laser_step_m", self.laser_step_m, "[0, 10] metres")
+        require(self.least_points >= 1, "least_points", self.least_points, "1 and more")
+
+
+class RawPoint(NamedTuple):
+    """A reading as a point, map frame: on the axis of the cone, at its range."""
+
+    x_m: float
+    y_m: float
+    from_x_m: float
+    from_y_m: float
+    half_cone_rad: float
+
+
+def sonar_points(
+    scan: SonarScan, robot: RobotDescription, map_from_robot: Pose, params: FilterRawParams
+) -> list[RawPoint]:
+    """Return the echoes of a scan as points."""
+    points = []
+    for number, range_m in zip(scan.sensors, scan.ranges_m, strict=True):
+        if range_m is not None and range_m <= params.max_range_m:
+            sonar = robot.sonars[number]
+            at = map_from_robot @ sonar.mount
+            x, y = at.transform(range_m, 0.0)
+            points.append(RawPoint(x, y, at.x_m, at.y_m, sonar.cone_rad / 2))
+    return points
+
+
+def laser_points(
+    scan: LaserScan, robot: RobotDescription, map_from_robot: Pose, params: FilterRawParams
+) -> list[RawPoint]:
+    """Return the ends of a sweep's beams as points, thinned: one within `laser_step_m` of the last one kept is left out."""
+    at = map_from_robot @ robot.lasers[scan.laser].mount
+    points: list[RawPoint] = []
+    for i, range_m in enumerate(scan.ranges_m):
+        if range_m is None or not 0.0 < range_m <= params.max_range_m:
+            continue
+        angle = at.heading_rad + scan.angle_min_rad + i * scan.angle_step_rad
+        x, y = at.x_m + range_m * cos(angle), at.y_m + range_m * sin(angle)
+        if not points or hypot(x - points[-1].x_m, y - points[-1].y_m) >= params.laser_step_m:
+            points.append(RawPoint(x, y, at.x_m, at.y_m, 0.0))
+    return points
+
+
+def supported(points: list[RawPoint], grid: Grid | None) -> list[RawPoint]:
+    """Return the points whose cell is not considered empty."""
+    if grid is None or not points:
+        return points
+    values = grid.values_at(np.array([(p.x_m, p.y_m) for p in points]))
+    return [point for point, value in zip(points, values.tolist(), strict=True) if value > EMPTY_MAX]
+
+
+class FilterRaw(KnowledgeSource[FilterRawParams]):
+    """Collects points until a batch of them is borne out by the grid."""
+
+    Params = FilterRawParams
+    triggers = (SONAR_SCAN, LASER_SCAN)
+    reads = (ROBOT, GRID, *READS)
+    posts = (SUPPORTED_POINTS,)
+    rating = 20.0
+
+    def __init__(self, params: FilterRawParams, *, name: str, seed: int = 0) -> None:
+        super().__init__(params, name=name, seed=seed)
+        self._points: list[RawPoint] = []
+        self._dropped = 0
+        self._stretches: dict[str, Support] = {}
+        self._last_pose: Pose | None = None
+
+    def activate(self, trigger: Entry[Any], board: Access) -> None:
+        robot = board.newest(ROBOT)
+        found = map_from_robot_at(board, trigger.stamp_s)
+        if robot is None or found is None or not self._moved(found[0]):
+            return
+        pose, params = found[0], self.params
+        if isinstance(trigger.value, SonarScan):
+            self._points += sonar_points(trigger.value, robot.value, pose, params)
+        else:
+            self._points += laser_points(trigger.value, robot.value, pose, params)
+        for entry in (trigger, *found[1]):
+            known = self._stretches.get(entry.key)
+            first = entry.revision if known is None else min(known.first, entry.revision)
+            last = entry.revision if known is None else max(known.last, entry.revision)
+            self._stretches[entry.key] = Support(entry.key, first, last)
+        if len(self._points) >= params.batch_points:
+            self._post(board, params.batch_points)
+
+    def finish(self, board: Access) -> None:
+        self._post(board, self.params.least_points)
+
+    def _moved(self, pose: Pose) -> bool:
+        last, params = self._last_pose, self.params
+        turn_rad = 0.0 if last is None else abs(wrap_angle(pose.heading_rad - last.heading_rad))
+        if last is not None and pose.distance_m(last) < params.min_step_m and turn_rad < params.min_turn_rad:
+            return False
+        self._last_pose = pose
+        return True
+
+    def _post(self, board: Access, least: int) -> None:
+        """Drop what the grid does not bear out, and post the rest if it is enough."""
+        tiles: list[Entry[Any]] = []
+        if self.params.use_grid:
+            tiles = list(board.entries(GRID, area=_box(self._points)))
+            kept = supported(self._points, Grid.from_tiles(tile.value for tile in tiles))
+            self._dropped += len(self._points) - len(kept)
+            self._points = kept
+        if len(self._points) < least:
+            return
+        points = np.array(self._points, dtype=np.float32)
+        value = PointSet(
+            points=pack_array(np.ascontiguousarray(points[:, 0:2])),
+            sensed_from=pack_array(np.ascontiguousarray(points[:, 2:4])),
+            half_cone_rad=pack_array(np.ascontiguousarray(points[:, 4])),
+            dropped=self._dropped,
+        )
+        board.post(SUPPORTED_POINTS, value, supports=[*self._stretches.values(), *tiles])
+        self._points, self._dropped = [], 0
+        self._stretches.clear()
+
+
+def _box(points: list[RawPoint]) -> tuple[float, float, float, float]:
+    xs, ys = [p.x_m for p in points] or [0.0], [p.y_m for p in points] or [0.0]
+    return (min(xs), min(ys), max(xs), max(ys))
