@@ -31,7 +31,7 @@ class AvoidObstaclesParams:
     """Where the force begins, and where it outweighs the other behaviours."""
 
     threshold_m: float = 0.4  # responds where the force exceeds that of one echo at this distance from the rim
-    balance_m: float = 0.25  # one echo at this distance outweighs full speed towards it
+    balance_m: float = 0.2  # one echo at this distance outweighs full speed towards it
     nearest_m: float = 0.05  # closer echoes push no harder
     sectors: int = 12  # as many as the thesis's ring has sonars
 

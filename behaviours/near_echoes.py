@@ -51,7 +51,7 @@ class NearEchoesParams:
     """How far and how long echoes are remembered."""
 
     reach_m: float = 1.6  # from the rim: about where a thing on the path leaves the forward cone of 12 degrees
-    keep_s: float = 8.0  # long enough to drive through the gap beside that cone at 0.25 m/s
+    keep_s: float = 20.0  # long enough to creep through the gap beside that cone, and to turn about beside a thing
     keep_new_s: float = 4.0  # for what was heard just once or twice: a person walking by, cross-talk
     cell_m: float = 0.1  # echoes in one cell count as one
     settled_after_s: float = 0.35  # heard in a cell or beside it so long ago: what walks at 0.5 m/s has left by then

@@ -15,6 +15,8 @@ from blackboard.messages.motion import Response, Velocity
 from blackboard.messages.sensing import RobotDescription
 from blackboard.parameters import require
 
+STALEMATE = 0.5  # a vector longer than this does not come to nothing by chance
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SuperpositionParams:
@@ -29,7 +31,7 @@ class SuperpositionParams:
         0.2  # swings its heading so far to either side on the way, so that cones sweep the gaps between them
     )
     weave_period_s: float = 3.0  # a thing in a gap is heard at the latest after half of this: 0.6 m on
-    silence: float = 0.05  # a shorter sum means: stand still
+    silence: float = 0.1  # a shorter sum means: go nowhere
     about_rad: float = 2.6  # a vector further behind than this keeps the side of the turn that has begun
     valid_for_s: float = 0.5  # five control cycles
 
@@ -55,22 +57,33 @@ def summed(responses: Mapping[str, Response]) -> Response:
 
 
 def superposition_velocity(
-    total: Response, robot: RobotDescription, now_s: float, last_turn: int, params: SuperpositionParams
+    responses: Mapping[str, Response],
+    robot: RobotDescription,
+    now_s: float,
+    last_turn: int,
+    params: SuperpositionParams,
 ) -> tuple[int, Velocity]:
-    """Return the speeds, and the side that it turns to (1 left, -1 right, 0 neither), to be passed in next time."""
+    """Return the speeds, and the side that it turns to (1 left, -1 right, 0 neither), to be passed in next time.
+
+    Where strong vectors cancel each other the robot turns on the spot, to the side that it turned to last.
+    """
+    total = summed(responses)
     length = hypot(total.forward, total.left)
+    fastest_radps = min(params.turn_radps, robot.max_turn_radps)
+    cruise_mps = min(params.cruise_mps, robot.max_speed_mps)
     forward_mps, turn_radps, side = 0.0, total.turn_radps, 0
     if length > params.silence:
         bearing_rad = atan2(total.left, total.forward)
         if abs(bearing_rad) > params.about_rad and last_turn * bearing_rad < 0:
             bearing_rad += 2.0 * pi * last_turn
         side = 1 if bearing_rad > 0 else -1
-        cruise_mps = min(params.cruise_mps, robot.max_speed_mps)
         forward_mps = cruise_mps * min(1.0, length) * max(0.0, cos(bearing_rad))
         turn_radps += params.turn_gain_per_s * bearing_rad * min(1.0, length)
         swing_per_s = 2.0 * pi / params.weave_period_s
         turn_radps += forward_mps / cruise_mps * params.weave_rad * swing_per_s * cos(swing_per_s * now_s)
-    fastest_radps = min(params.turn_radps, robot.max_turn_radps)
+    elif max((hypot(r.forward, r.left) for r in responses.values()), default=0.0) > STALEMATE:
+        side = last_turn or 1
+        turn_radps += 0.5 * fastest_radps * side
     turn_radps = max(-fastest_radps, min(fastest_radps, turn_radps))
     return side, Velocity(forward_mps=forward_mps, turn_radps=turn_radps, valid_until_s=now_s + params.valid_for_s)
 
@@ -85,7 +98,5 @@ class Superposition(Coordinator[SuperpositionParams]):
         self._last_turn = 0
 
     def combine(self, responses: Mapping[str, Response], robot: RobotDescription, now_s: float) -> Velocity:
-        self._last_turn, velocity = superposition_velocity(
-            summed(responses), robot, now_s, self._last_turn, self.params
-        )
+        self._last_turn, velocity = superposition_velocity(responses, robot, now_s, self._last_turn, self.params)
         return velocity
