@@ -53,6 +53,7 @@ def disc(radius_m: float, cell_m: float) -> Disc:
     return Disc(rows, columns, ranges, bearings, by_bearing, bearings[by_bearing])
 
 
+@lru_cache(maxsize=4 * HEADINGS)
 def cone(cone_rad: float, radius_m: float, cell_m: float, heading: int) -> Cone:
     """Return the cone of full width `cone_rad` whose axis points along `heading * 2 pi / HEADINGS`.
 

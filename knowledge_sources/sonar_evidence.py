@@ -8,6 +8,7 @@ behind that did not come straight.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, floor, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,8 +25,7 @@ Indices = npt.NDArray[np.int64]
 Bytes = npt.NDArray[np.uint8]
 
 
-@dataclass(frozen=True, slots=True)
-class Ping:
+class Ping(NamedTuple):
     """One sonar's reading, map frame: where it stood, where it looked, and how far it is clear. `heard`: an echo came."""
 
     x_m: float
@@ -56,6 +56,19 @@ class _Laid:
 
     offsets: Indices
     cone: Cone
+    cosine: float  # of its axis
+    sine: float
+
+
+@dataclass(slots=True)
+class _Cut:
+    """A cone cut at its range, in the buffers of one scan: its cells from `start`, cleared up to `clear`, arc from `near`."""
+
+    start: int
+    clear: int
+    near: int
+    stop: int
+    cone: Cone
 
 
 class SonarEvidence:
@@ -68,84 +81,108 @@ class SonarEvidence:
         values = np.arange(256)
         odds = np.minimum((values + 1) / (256 - values), SURE_ODDS)
         self._weights = (odds**params.share).astype(np.float32)
+        self._margin = round(params.clear_margin_m / RANGE_STEP_M)
+        self._band = round(params.band_m / RANGE_STEP_M)
+        self._weak_down = max(1, params.sonar_down // 2)
+        self._cells = np.empty(1 << 14, np.int64)  # buffers for all cones of a scan, grown as needed
+        self._steps = np.empty(1 << 14, np.uint8)
 
     def fold(self, grid: Grid, scan: Sequence[Ping]) -> None:
         """Lower the cells that the pings passed and raise those where they ended. The grid must cover their range."""
-        params = self._params
         flat, width, first_row, first_column = grid.flat()
         if width != self._width:
             self._laid.clear()
             self._width = width
-        cells: list[Indices] = []
-        steps: list[Bytes] = []
-        arcs: list[Indices] = []
+        cuts: list[_Cut] = []
+        used = 0
         for ping in scan:
-            laid = self._lay(ping)
-            row, column = floor(ping.y_m / params.cell_m), floor(ping.x_m / params.cell_m)
-            # ranges of a template count from the centre of the sensor's cell: shift the cut by where in it the sensor is
-            ahead_m = (ping.x_m - (column + 0.5) * params.cell_m) * cos(ping.heading_rad) + (
-                ping.y_m - (row + 0.5) * params.cell_m
-            ) * sin(ping.heading_rad)
-            range_m = ping.range_m + ahead_m
-            clear = _count(laid.cone, range_m - (params.clear_margin_m if ping.heard else 0.0))
-            weak = min(_count(laid.cone, range_m * params.weak_from_fraction), clear)
-            near, far = (_count(laid.cone, range_m - params.band_m), _count(laid.cone, range_m + params.band_m))
-            here = laid.offsets[: far if ping.heard else clear] + ((row - first_row) * width + column - first_column)
-            step = np.full(clear, params.sonar_down, np.uint8)
-            step[weak:] = max(1, params.sonar_down // 2)
-            arc = here[near:far] if ping.heard else here[:0]
-            if params.shadow:
-                lit = self._lit(flat, here, laid.cone, near if ping.heard else clear)
-                if lit is not None:
-                    step *= lit[:clear]
-                    arc = arc[lit[near : near + len(arc)].view(np.bool_)]
-            cells.append(here[:clear])
-            steps.append(step)
-            if len(arc):
-                arcs.append(arc)
-        if cells:
-            _lower(flat, np.concatenate(cells), np.concatenate(steps))
-        if arcs:
-            self._raise(flat, arcs)
+            cut = self._cut(ping, used, first_row, first_column)
+            cuts.append(cut)
+            used = cut.stop
+        if not cuts:
+            return
+        cells, steps = self._cells[:used], self._steps[:used]
+        values = flat[cells]
+        lit = self._lit(values, cuts) if self._params.shadow else None
+        if lit is not None:
+            steps *= lit
+        np.maximum(values, steps, out=values)
+        values -= steps
+        flat[cells] = values
+        self._raise(flat, cells, cuts, lit)
 
-    def _lit(self, flat: Bytes, here: Indices, template: Cone, before: int) -> Bytes | None:
-        """Return 1 for cells that something surely occupied nearer than `before` does not hide, 0 for others; None: all lit."""
-        blocking = flat[here[:before]] >= self._params.blocks_from
-        if not blocking.any():
-            return None
-        sectors = template.sectors[: len(here)]
-        hidden = np.zeros(len(here), np.uint8)
-        hidden[1:before] = np.bitwise_or.accumulate(np.where(blocking, sectors[:before], 0))[:-1]
-        hidden[before:] = np.bitwise_or.reduce(np.where(blocking, sectors[:before], 0))
-        lit: Bytes = ((sectors & ~hidden) != 0).astype(np.uint8)
+    def _cut(self, ping: Ping, start: int, first_row: int, first_column: int) -> _Cut:
+        """Write a ping's cells and downward steps into the buffers."""
+        params = self._params
+        turn = round(ping.heading_rad * (HEADINGS / (2 * pi))) % HEADINGS
+        laid = self._laid.get((ping.cone_rad, turn)) or self._lay(ping.cone_rad, turn)
+        x, y = ping.x_m / params.cell_m, ping.y_m / params.cell_m
+        row, column = floor(y), floor(x)
+        # ranges of a template count from the centre of the sensor's cell: shift the cut by where in it the sensor is
+        ahead = (x - column - 0.5) * laid.cosine + (y - row - 0.5) * laid.sine
+        range_m = ping.range_m + ahead * params.cell_m
+        counts, last = laid.cone.count_within, len(laid.cone.count_within) - 1
+        step = int(range_m / RANGE_STEP_M)
+        if ping.heard:
+            clear = counts[min(max(step - self._margin, 0), last)]
+            near = counts[min(max(step - self._band, 0), last)]
+            stop = counts[min(step + self._band, last)]
+        else:
+            clear = near = stop = counts[min(step, last)]
+        weak = min(counts[min(int(step * params.weak_from_fraction), last)], clear)
+        end = start + stop
+        if end > len(self._cells):
+            self._cells, self._steps = np.resize(self._cells, 2 * end), np.resize(self._steps, 2 * end)
+        np.add(laid.offsets[:stop], (row - first_row) * self._width + column - first_column, self._cells[start:end])
+        steps = self._steps
+        steps[start : start + weak] = params.sonar_down
+        steps[start + weak : start + clear] = self._weak_down
+        steps[start + clear : end] = 0
+        return _Cut(start, start + clear, start + near, end, laid.cone)
+
+    def _lit(self, values: Bytes, cuts: list[_Cut]) -> Bytes | None:
+        """Return 1 for cells that nothing surely occupied on the cleared way hides, else 0; None: all are lit."""
+        sure = values >= self._params.blocks_from
+        lit: Bytes | None = None
+        for cut in cuts:
+            blocking = sure[cut.start : cut.clear]  # what lies nearer to the arc may have made the echo itself
+            if not blocking.any():
+                continue
+            if lit is None:
+                lit = np.ones(len(values), np.uint8)
+            sectors = cut.cone.sectors[: cut.stop - cut.start]
+            before = len(blocking)
+            shadow = np.bitwise_or.accumulate(np.where(blocking, sectors[:before], 0))
+            hidden = np.empty(len(sectors), np.uint8)
+            hidden[0] = 0
+            hidden[1:before] = shadow[:-1]
+            hidden[before:] = shadow[-1]
+            lit[cut.start : cut.stop] = (sectors & ~hidden) != 0
         return lit
 
-    def _raise(self, flat: Bytes, arcs: list[Indices]) -> None:
-        cells = np.concatenate(arcs)
+    def _raise(self, flat: Bytes, cells: Indices, cuts: list[_Cut], lit: Bytes | None) -> None:
+        arcs = []
+        for cut in cuts:
+            arc = cells[cut.near : cut.stop]
+            if lit is not None:
+                arc = arc[lit[cut.near : cut.stop].view(np.bool_)]
+            if len(arc):
+                arcs.append(arc)
+        if not arcs:
+            return
+        raised = np.concatenate(arcs)
         lengths = [len(arc) for arc in arcs]
         starts = np.cumsum([0, *lengths[:-1]])
-        values = flat[cells]
+        values = flat[raised]
         weights = self._weights[values]
         most = np.maximum.reduceat(weights, starts)  # the likeliest cell of an arc gets the whole step
         steps = np.rint(self._params.sonar_up * weights / np.repeat(most, lengths)).astype(np.int16)
-        flat[cells] = np.minimum(values + steps, 255)
+        flat[raised] = np.minimum(values + steps, 255)
 
-    def _lay(self, ping: Ping) -> _Laid:
-        turn = round(ping.heading_rad * HEADINGS / (2 * pi)) % HEADINGS
-        laid = self._laid.get((ping.cone_rad, turn))
-        if laid is None:
-            params = self._params
-            template = cone(ping.cone_rad, params.sonar_range_m + params.band_m + params.cell_m, params.cell_m, turn)
-            laid = _Laid(template.rows * self._width + template.columns, template)
-            self._laid[(ping.cone_rad, turn)] = laid
+    def _lay(self, cone_rad: float, turn: int) -> _Laid:
+        params = self._params
+        template = cone(cone_rad, params.sonar_range_m + params.band_m + params.cell_m, params.cell_m, turn)
+        heading_rad = turn * 2 * pi / HEADINGS
+        laid = _Laid(template.rows * self._width + template.columns, template, cos(heading_rad), sin(heading_rad))
+        self._laid[(cone_rad, turn)] = laid
         return laid
-
-
-def _count(template: Cone, range_m: float) -> int:
-    counts = template.count_within
-    return counts[min(max(int(range_m / RANGE_STEP_M), 0), len(counts) - 1)]
-
-
-def _lower(flat: Bytes, cells: Indices, steps: Bytes) -> None:
-    values = flat[cells]
-    flat[cells] = np.maximum(values, steps) - steps
