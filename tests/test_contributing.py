@@ -45,7 +45,9 @@ def test_add_a_behaviour(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert abs(float(poses[-1][6])) > 0.3  # it has turned
 
 
-def test_new_knowledge_source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_new_knowledge_source(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["new", "knowledge-source", "echo-counter"]) == 0
     said = capsys.readouterr().out
