@@ -28,7 +28,8 @@ def test_what_is_wider_aside_than_the_disc_is_passed() -> None:
 
 
 def test_a_point_within_the_disc_blocks_the_way_to_it_only() -> None:
-    assert free_travel_m(0.25, 0.0, 0.3) < 0.01
+    assert free_travel_m(0.25, 0.0, 0.3) == 0.0
+    assert free_travel_m(0.25, 1.2, 0.3) == 0.0
     assert free_travel_m(0.25, 1.5, 0.3) == inf
     assert free_travel_m(0.25, 2.5, 0.3) == inf
 

@@ -56,13 +56,22 @@ def test_what_comes_on_at_walking_speed_never_settles(bench) -> None:
         assert not any(n.settled for n in nears)
 
 
-def test_silence_does_not_clear_an_echo_but_two_readings_through_it_do(bench) -> None:
+def test_silence_does_not_clear_an_echo_but_three_readings_through_it_do(bench) -> None:
     bench.at(0.0).hear({0: 0.7})
     memory, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
-    for now_s, range_m, left in ((0.2, None, 1), (0.4, None, 1), (0.6, 3.0, 1), (0.8, 3.0, 0)):
+    for now_s, range_m, left in ((0.2, None, 1), (0.4, 3.0, 1), (0.6, None, 1), (0.8, 3.0, 1), (1.0, 3.0, 0)):
         bench.at(now_s).hear({0: range_m})
         memory, nears = refresh(memory, bench.access, NEAR_ECHOES)
         assert len(nears) == left
+
+
+def test_what_is_close_to_a_sensor_is_not_doubted(bench) -> None:
+    bench.at(0.0).hear({0: 0.15})
+    memory, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
+    for i in range(1, 6):
+        bench.at(0.2 * i).hear({0: 3.0})
+        memory, nears = refresh(memory, bench.access, NEAR_ECHOES)
+        assert len(nears) == 1
 
 
 def test_echoes_are_forgotten_with_time_and_distance(bench) -> None:
@@ -70,9 +79,9 @@ def test_echoes_are_forgotten_with_time_and_distance(bench) -> None:
     once, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
     bench.at(NEAR_ECHOES.keep_new_s + 0.1).hear({6: None})
     assert refresh(once, bench.access, NEAR_ECHOES)[1] == []
-    bench.at(4.0).hear({0: 0.7})
+    bench.at(5.0).hear({0: 0.7})
     again, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
-    bench.at(4.1, Pose(x_m=-2.0, y_m=0.0, heading_rad=0.0)).hear({6: None})
+    bench.at(5.1, Pose(x_m=-2.0, y_m=0.0, heading_rad=0.0)).hear({6: None})
     assert refresh(again, bench.access, NEAR_ECHOES)[1] == []
 
 
