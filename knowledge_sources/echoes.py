@@ -128,7 +128,9 @@ def met(echoes: Echoes, alpha_rad: Array, rho_m: Array) -> tuple[Array, Array]:
     return beyond, along
 
 
-def expected_ranges(echoes: Echoes, alpha_rad: float, rho_m: float, start_m: Array, end_m: Array) -> Array:
+def expected_ranges(
+    echoes: Echoes, alpha_rad: float, rho_m: float, start_m: Array, end_m: Array, incidence_share: float = 1.0
+) -> Array:
     """Return the range at which each echo would have been heard from a wall alone: infinite where it would not.
 
     The wall is the part from `start_m` to `end_m` (arrays that broadcast against (n,)) of the carrier whose signed
@@ -139,7 +141,9 @@ def expected_ranges(echoes: Echoes, alpha_rad: float, rho_m: float, start_m: Arr
     foot = echoes.y_m * cosine - echoes.x_m * sine
     distance = rho_m - (echoes.x_m * cosine + echoes.y_m * sine)
     axis = wrap(echoes.bearing_rad - alpha_rad)
-    limit = np.minimum(echoes.max_incidence_rad, pi / 2 - 0.01)  # short of where the tangent has no end
+    limit = np.minimum(
+        echoes.max_incidence_rad * incidence_share, pi / 2 - 0.01
+    )  # short of where the tangent has no end
     low, high = np.maximum(axis - echoes.half_cone_rad, -limit), np.minimum(axis + echoes.half_cone_rad, limit)
     from_m = np.maximum(foot + distance * np.tan(low), start_m)
     to_m = np.minimum(foot + distance * np.tan(high), end_m)

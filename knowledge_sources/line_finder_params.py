@@ -32,11 +32,12 @@ class LineFinderParams:
     )
     fit_distance_m: float = 0.05  # three to five deviations of a sonar's noise
     max_spread_m: float = 0.02  # twice a sonar's noise: echoes that spread more are of no flat wall
-    max_tilt_rad: float = radians(1.0)  # so that three deviations are 3 degrees
+    max_tilt_rad: float = radians(1.3)  # so that two deviations are less than 3 degrees
+    max_tilt_per_place_rad: float = radians(0.15)  # the fewer places prove a line, the surer its direction must be
     max_bend: float = 6.0  # F statistic; chance gives 4 one time in a hundred, and the best of many breaks is tried
     tolerance_sigmas: float = 2.0  # how far an echo may lie from where its wall would have sent it
     min_places: int = 5  # two things always lie on a line, and three or four may by chance
-    contradiction_margin_m: float = 0.08  # beyond noise and a small error of the pose
+    contradiction_margin_m: float = 0.06  # five deviations of a sonar's noise
     max_contradicted_fraction: float = 0.03  # of the support: cross-talk and what moves
     passes: int = 1  # another seeks in what the first left: a few lines more for twice the time
 
@@ -63,6 +64,7 @@ class LineFinderParams:
             "fit_distance_m",
             "max_spread_m",
             "max_tilt_rad",
+            "max_tilt_per_place_rad",
             "max_bend",
         ):
             require(getattr(self, name) > 0.0, name, getattr(self, name), "more than 0")

@@ -21,6 +21,7 @@ from knowledge_sources.line_fit import bend, refit, refit_all
 from knowledge_sources.line_points import group, order, split_at_breaks
 
 PEAK_ALPHA_CELLS, PEAK_RHO_CELLS = 3, 1  # a wall's own votes outside its cell reach about so far
+SURE_SHARE = 0.5  # up to this share of the largest incidence every wall answers, smooth or rough
 SAME_LINE = 0.8  # of its echoes belong to a line already, so this is that line once more
 
 
@@ -165,7 +166,8 @@ def straight_pieces(
     first, last = stretches(own, fit, params.tolerance_sigmas * fit.spread_m)
     explained = first <= last
     first, last = first[explained], last[explained]
-    if len(independent_places(first, last)) < params.min_places:
+    places = len(independent_places(first, last))
+    if places < params.min_places or fit.tilt_rad > places * params.max_tilt_per_place_rad:
         return []
     # No wall need reach further than to the first stretch's end and to the last one's beginning.
     start, end = float(last.min()), float(first.max())
@@ -177,7 +179,7 @@ def straight_pieces(
 def is_borne_out(piece: Piece, echoes: Echoes, params: LineFinderParams) -> bool:
     """Say whether hardly any echo came from beyond the piece that should have come from it."""
     start, end = np.array([piece.start_m]), np.array([piece.end_m])
-    expected = expected_ranges(echoes, piece.alpha_rad, piece.rho_m, start, end)
+    expected = expected_ranges(echoes, piece.alpha_rad, piece.rho_m, start, end, SURE_SHARE)
     against = int(np.count_nonzero(echoes.range_m > expected + params.contradiction_margin_m))
     return against <= params.max_contradicted_fraction * len(piece.members)
 

@@ -14,7 +14,8 @@ from blackboard.messages.sensing import RobotDescription
 from blackboard.messages.world import PointSet
 from blackboard.parameters import parse_parameters
 from blackboard.vocabulary import Vocabulary
-from knowledge_sources.line_finder import LineFinder, LineFinderParams
+from knowledge_sources.line_finder import LineFinder
+from knowledge_sources.line_finder_params import LineFinderParams
 
 ROBOT_OF_60_CM = RobotDescription(
     name="k2a", radius_m=0.3, max_speed_mps=1.0, max_turn_radps=1.0, max_acceleration_mps2=1.0
