@@ -54,20 +54,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         sys.stderr.write(f"ski: there is no verb '{verb}'{did_you_mean(verb, VERBS)}\n")
         return EXIT_ERROR
-    parser = build_parser(verb)
-    options = parser.parse_args(given)
-    if options.version:
-        from importlib.metadata import version
-
-        sys.stdout.write(f"ski {version('sensory-knowledge-integrator')}\n")
-        return 0
-    if options.verb is None:
-        parser.print_help()
-        return 0
     from blackboard.errors import SkiError
 
     try:
-        return int(options.call(options) or 0)
+        return _run(build_parser(verb), given)
     except SkiError as error:
         sys.stderr.write(f"ski: {error}\n")
         return EXIT_ERROR
@@ -77,6 +67,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader (head, less) has gone; keep the interpreter from complaining at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+
+
+def _run(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
+    options = parser.parse_args(given)
+    if options.version:
+        from importlib.metadata import version
+
+        sys.stdout.write(f"ski {version('sensory-knowledge-integrator')}\n")
+        return 0
+    if options.verb is None:
+        parser.print_help()
+        return 0
+    return int(options.call(options) or 0)
 
 
 if __name__ == "__main__":
