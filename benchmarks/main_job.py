@@ -85,9 +85,8 @@ def main() -> None:
         )
         for entry in done.board.entries(ACTIVATION_TIME):
             value = entry.value
-            print(
-                f"    {entry.id:16} {value.activations:6} activations {value.total_s:6.2f} s, longest {value.longest_s * 1e3:6.1f} ms"
-            )
+            longest_ms = value.longest_s * 1e3
+            print(f"    {entry.id:16} {value.activations:6} times {value.total_s:6.2f} s, longest {longest_ms:6.1f} ms")
     print(
         f"median {median(times):.2f} s CPU, {600 / median(times):.0f} x real time, {median(times) / base:.1f} x the baseline"
     )

@@ -14,8 +14,8 @@ PAGE = HERE.parent / "docs" / "measurements.md"
 
 HEAD = """# Measurements
 
-What the benchmarks printed, written by `python benchmarks/write_measurements.py`. Times differ between machines and from run to run: the
-ratios, each to a baseline measured in the same run, tell more. Machine: {machine}, Python {python}, one core used.
+What the benchmarks printed, written by `python benchmarks/write_measurements.py`. Times differ between machines and from run to
+run: the ratios, each to a baseline measured in the same run, tell more. Machine: {machine}, Python {python}, one core used.
 
 Recordings are read from `../shared/data` beside the checkout, which is not part of the project; name your own instead.
 """
