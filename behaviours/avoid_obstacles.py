@@ -16,13 +16,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin
 
-from behaviours.near_echoes import NEAR_ECHOES, READS, Near, no_echoes, refresh
+from behaviours.near_echoes import READS, Near, NearEchoesParams, around_now, no_echoes, refresh
 from blackboard.access import Access
 from blackboard.component import Behaviour
 from blackboard.kinds import ROBOT
 from blackboard.messages.motion import Response
 from blackboard.parameters import require
 
+MEMORY = NearEchoesParams(reach_m=1.0)  # at this distance all sectors of one side together stay below the threshold
 LONGEST = 20.0  # no response is longer, in full speeds
 
 
@@ -80,6 +81,9 @@ class AvoidObstacles(Behaviour[AvoidObstaclesParams]):
         self._memory = no_echoes()
 
     def respond(self, board: Access) -> Response | None:
-        self._memory, nears = refresh(self._memory, board, NEAR_ECHOES)
+        self._memory = refresh(self._memory, board, MEMORY)
         robot = board.newest(ROBOT)
-        return avoid_obstacles_response(nears, robot.value.radius_m, self.params) if robot is not None else None
+        if robot is None:
+            return None
+        nears = around_now(self._memory, board, MEMORY.reach_m)
+        return avoid_obstacles_response(nears, robot.value.radius_m, self.params)

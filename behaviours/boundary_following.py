@@ -18,13 +18,15 @@ from dataclasses import dataclass, replace
 from math import cos, inf, pi, sin
 
 from behaviours.corridor import clear_way_m
-from behaviours.near_echoes import NEAR_ECHOES, READS, Near, no_echoes, refresh
+from behaviours.near_echoes import READS, Near, NearEchoesParams, around_now, no_echoes, refresh
 from blackboard.access import Access
 from blackboard.component import Behaviour
 from blackboard.kinds import ODOMETRY, ROBOT
 from blackboard.messages.geometry import wrap_angle
 from blackboard.messages.motion import Response
 from blackboard.parameters import require
+
+MEMORY = NearEchoesParams(reach_m=1.6)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +45,7 @@ class BoundaryFollowingParams:
     rest_s: float = 8.0  # then is silent for so long: random-wander crosses the room
 
     def __post_init__(self) -> None:
-        require(0.1 <= self.notice_m <= NEAR_ECHOES.reach_m, "notice_m", self.notice_m, f"[0.1, {NEAR_ECHOES.reach_m}]")
+        require(0.1 <= self.notice_m <= MEMORY.reach_m, "notice_m", self.notice_m, f"[0.1, {MEMORY.reach_m}]")
         require(0.1 <= self.front_m <= self.choose_m, "front_m", self.front_m, "[0.1, choose_m]")
         require(self.choose_m <= self.notice_m, "choose_m", self.choose_m, "[front_m, notice_m]")
         require(0.0 <= self.side_m <= self.keep_m, "side_m", self.side_m, "[0, keep_m]")
@@ -65,7 +67,7 @@ class Course:
     tired_s: float = inf  # when it will have gone along boundaries for long enough
 
 
-LET_GO = 1.1  # a boundary is lost at this multiple of notice_m
+LET_GO = 1.06  # a boundary is lost at this multiple of notice_m
 BESIDE_RAD = (pi / 12, pi - pi / 6)  # a boundary to one side lies between these bearings
 
 
@@ -144,14 +146,25 @@ class BoundaryFollowing(Behaviour[BoundaryFollowingParams]):
         super().__init__(params, name=name, seed=seed)
         self._memory = no_echoes()
         self._course = Course()
+        self._answer: tuple[Response, float] | None = None  # the newest answer and the heading that it was given at
 
     def respond(self, board: Access) -> Response | None:
-        self._memory, nears = refresh(self._memory, board, NEAR_ECHOES)
+        before, self._memory = self._memory, refresh(self._memory, board, MEMORY)
         robot, odometry = board.newest(ROBOT), board.newest(ODOMETRY)
         if robot is None or odometry is None:
             return None
         heading_rad = odometry.value.pose.heading_rad
+        if self._memory is before and self._answer is not None:
+            return turned(self._answer[0], self._answer[1] - heading_rad)
+        nears = around_now(self._memory, board, LET_GO * self.params.notice_m)
         self._course, response = boundary_following_response(
             self._course, nears, heading_rad, robot.value.radius_m, board.now_s, self.params
         )
+        self._answer = (response, heading_rad) if response is not None else None
         return response
+
+
+def turned(response: Response, angle_rad: float) -> Response:
+    """Return the response with its vector turned, counter-clockwise."""
+    c, s = cos(angle_rad), sin(angle_rad)
+    return Response(forward=c * response.forward - s * response.left, left=s * response.forward + c * response.left)

@@ -12,7 +12,7 @@ Reads  status/robot                     RobotDescription
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, cos, floor, hypot, pi, sin
+from math import atan2, cos, floor, inf, pi, sin, sqrt
 from typing import Any, NamedTuple, TypeVar
 
 from behaviours.echo_sightings import Look, Sighting, contacts, laser_looks, sightings, sonar_looks
@@ -27,7 +27,8 @@ from blackboard.parameters import require
 READS: tuple[Kind[Any], ...] = (ROBOT, ODOMETRY, SONAR_SCAN, LASER_SCAN, BUMPER)
 LONGEST_STEP_S = 1.0  # an odometry reading is carried no further than this
 SPARED_M = 0.3  # what was heard this near to a sensor is not doubted: a thing beside the cone is soon touched
-DOUBT_LIMIT = 3  # so many readings through an echo clear it
+DOUBT_LIMIT = 2  # so many readings through an echo clear it; every second sensor's are looked at, in turn
+TIDY_S = 0.5  # how often old and far echoes are left out
 
 BESIDE = (
     (0, 0),
@@ -50,7 +51,7 @@ Cell = tuple[int, int]
 class NearEchoesParams:
     """How far and how long echoes are remembered."""
 
-    reach_m: float = 1.6  # from the rim: about where a thing on the path leaves the forward cone of 12 degrees
+    reach_m: float = 1.2  # from the rim: about where a thing on the path leaves the swinging forward cone of 12 degrees
     keep_s: float = 20.0  # long enough to creep through the gap beside that cone, and to turn about beside a thing
     keep_new_s: float = 4.0  # for what was heard just once or twice: a person walking by, cross-talk
     cell_m: float = 0.1  # echoes in one cell count as one
@@ -64,9 +65,6 @@ class NearEchoesParams:
         require(0.02 <= self.cell_m <= 0.3, "cell_m", self.cell_m, "[0.02, 0.3]")
         require(0.2 <= self.settled_after_s <= 2.0, "settled_after_s", self.settled_after_s, "[0.2, 2]")
         require(0.1 <= self.look_through_m <= 2.0, "look_through_m", self.look_through_m, "[0.1, 2]")
-
-
-NEAR_ECHOES = NearEchoesParams()
 
 
 class Echo(NamedTuple):
@@ -97,6 +95,7 @@ class NearEchoes:
 
     echoes: dict[Cell, Echo]
     sonars_s: dict[int, float]  # when each sonar was last heard from
+    tidied_s: float = -inf  # when old and far echoes were last left out
     sonar_revision: int = -1
     laser_revision: int = -1
     bumper_revision: int = -1
@@ -141,16 +140,16 @@ def look_through(
 ) -> None:
     """Let each look that ended in an echo cast doubt on what it went through along its axis; silence proves nothing."""
     c, s, cell_m = cos(pose.heading_rad), sin(pose.heading_rad), params.cell_m
+    skipped = int(SPARED_M / cell_m)
     for look in looks:
-        clear_m = min(look.range_m - params.look_through_m, within_m)
-        if not look.echo or clear_m <= 0.0:
+        steps = int(min(look.range_m - params.look_through_m, within_m) / cell_m) + 1
+        if not look.echo or steps <= skipped:
             continue
         heading_rad = pose.heading_rad + look.heading_rad
         dx, dy = cell_m * cos(heading_rad), cell_m * sin(heading_rad)
-        skipped = int(SPARED_M / cell_m)
         x = pose.x_m + c * look.x_m - s * look.y_m + skipped * dx
         y = pose.y_m + s * look.x_m + c * look.y_m + skipped * dy
-        for _ in range(skipped, int(clear_m / cell_m) + 1):
+        for _ in range(skipped, steps):
             cell = (floor(x / cell_m), floor(y / cell_m))
             echo = echoes.get(cell)
             if echo is not None:
@@ -183,52 +182,64 @@ def enter(
     echoes.update(new)
 
 
-def around(memory: NearEchoes, pose: Pose) -> list[Near]:
-    """Return the remembered echoes as they lie from `pose` (odom_from_robot)."""
+def around(memory: NearEchoes, pose: Pose, within_m: float) -> list[Near]:
+    """Return the remembered echoes as they lie from `pose` (odom_from_robot), up to `within_m` from the robot's centre."""
     x0, y0, offset_rad = pose.x_m, pose.y_m, pi - pose.heading_rad
+    limit_m2, whole_rad = within_m * within_m, 2.0 * pi
     nears = []
     for x, y, heard_s, _, settled, half_cone_rad, _ in memory.echoes.values():
         dx, dy = x - x0, y - y0
-        bearing_rad = (atan2(dy, dx) + offset_rad) % (2.0 * pi) - pi
-        nears.append(Near(hypot(dx, dy), bearing_rad, half_cone_rad, heard_s, settled))
+        distance_m2 = dx * dx + dy * dy
+        if distance_m2 <= limit_m2:
+            bearing_rad = (atan2(dy, dx) + offset_rad) % whole_rad - pi
+            nears.append(Near(sqrt(distance_m2), bearing_rad, half_cone_rad, heard_s, settled))
     return nears
 
 
-def refresh(memory: NearEchoes, board: Access, params: NearEchoesParams) -> tuple[NearEchoes, list[Near]]:
-    """Enter the readings that are new on the board; return the memory and what lies around the robot now."""
+def refresh(memory: NearEchoes, board: Access, params: NearEchoesParams) -> NearEchoes:
+    """Return the memory with the readings that are new on the board; the same object where there are none."""
     robot_entry, odometry_entry = board.newest(ROBOT), board.newest(ODOMETRY)
-    if robot_entry is None or odometry_entry is None:
-        return memory, []
-    robot, odometry, odometry_s = robot_entry.value, odometry_entry.value, odometry_entry.stamp_s
-    within_m = robot.radius_m + params.reach_m
     sonars = unread(board, SONAR_SCAN, memory.sonar_revision)
     lasers = unread(board, LASER_SCAN, memory.laser_revision)
     bumpers = unread(board, BUMPER, memory.bumper_revision)
-    news: list[tuple[float, list[Look], list[Sighting]]] = []
-    sonars_s = dict(memory.sonars_s) if sonars else memory.sonars_s
+    if robot_entry is None or odometry_entry is None or not (sonars or lasers or bumpers):
+        return memory
+    robot, odometry, odometry_s = robot_entry.value, odometry_entry.value, odometry_entry.stamp_s
+    within_m = robot.radius_m + params.reach_m
+    news: list[tuple[Entry[Any], list[Look], list[Sighting]]] = []
+    sonars_s = dict(memory.sonars_s)
     for sonar in sonars:
         sonars_s.update(dict.fromkeys(sonar.value.sensors, sonar.stamp_s))
         looks = sonar_looks(sonar.value, robot)
-        news.append((sonar.stamp_s, looks, sightings(looks, within_m)))
+        news.append((sonar, looks, sightings(looks, within_m)))
     for laser in lasers:
         looks = laser_looks(laser.value, robot)
-        news.append((laser.stamp_s, looks, sightings(looks, within_m)))
-    for bumper in bumpers:
-        news.append((bumper.stamp_s, [], contacts(bumper.value, robot)))
-    if news:
-        echoes = forget(memory.echoes, odometry.pose, board.now_s, within_m, params)
-        for stamp_s, looks, found in news:
-            pose = pose_at(odometry, odometry_s, stamp_s)
-            look_through(echoes, looks, pose, within_m, params)
-            enter(echoes, found, pose, stamp_s, params)
-        memory = NearEchoes(
-            echoes=echoes,
-            sonars_s=sonars_s,
-            sonar_revision=sonars[-1].revision if sonars else memory.sonar_revision,
-            laser_revision=lasers[-1].revision if lasers else memory.laser_revision,
-            bumper_revision=bumpers[-1].revision if bumpers else memory.bumper_revision,
-        )
-    return memory, around(memory, pose_at(odometry, odometry_s, board.now_s))
+        news.append((laser, looks, sightings(looks, within_m)))
+    news += [(bumper, [], contacts(bumper.value, robot)) for bumper in bumpers]
+    echoes, tidied_s = dict(memory.echoes), memory.tidied_s
+    if board.now_s - tidied_s >= TIDY_S:
+        echoes, tidied_s = forget(echoes, odometry.pose, board.now_s, within_m, params), board.now_s
+    for entry, looks, found in news:
+        pose = pose_at(odometry, odometry_s, entry.stamp_s)
+        look_through(echoes, looks[entry.revision % 2 :: 2], pose, within_m, params)
+        enter(echoes, found, pose, entry.stamp_s, params)
+    return NearEchoes(
+        echoes=echoes,
+        sonars_s=sonars_s,
+        tidied_s=tidied_s,
+        sonar_revision=sonars[-1].revision if sonars else memory.sonar_revision,
+        laser_revision=lasers[-1].revision if lasers else memory.laser_revision,
+        bumper_revision=bumpers[-1].revision if bumpers else memory.bumper_revision,
+    )
+
+
+def around_now(memory: NearEchoes, board: Access, reach_m: float) -> list[Near]:
+    """Return what lies around the robot at the mission's time now, up to `reach_m` from its rim."""
+    robot, odometry = board.newest(ROBOT), board.newest(ODOMETRY)
+    if robot is None or odometry is None:
+        return []
+    pose = pose_at(odometry.value, odometry.stamp_s, board.now_s)
+    return around(memory, pose, robot.value.radius_m + reach_m)
 
 
 def unread(board: Access, kind: Kind[M], after_revision: int) -> Sequence[Entry[M]]:

@@ -18,7 +18,7 @@ from math import copysign, cos, inf, pi, sqrt
 from typing import Literal
 
 from behaviours.corridor import free_travel_m, off_course
-from behaviours.near_echoes import NEAR_ECHOES, READS, Near, no_echoes, refresh
+from behaviours.near_echoes import READS, Near, NearEchoesParams, around_now, no_echoes, refresh
 from blackboard.access import Access
 from blackboard.component import SafetyLayer
 from blackboard.kinds import BUMPER, LASER_SCAN, ODOMETRY, ROBOT
@@ -26,6 +26,7 @@ from blackboard.messages.motion import Drive, Velocity
 from blackboard.messages.sensing import LaserScan, RobotDescription
 from blackboard.parameters import require
 
+MEMORY = NearEchoesParams(reach_m=1.2)  # three times the stopping distance at the default limit of speed
 WATCHED_RAD = (
     pi / 5
 )  # a sonar watches the way if its axis lies within this of it; rings have 30 to 40 degrees between axes
@@ -194,7 +195,7 @@ class ReflexSafety(SafetyLayer[ReflexSafetyParams]):
     def limit(self, wanted: Velocity | None, board: Access) -> Drive:
         now_s = board.now_s
         oldest_s = now_s - self.params.stale_after_s
-        self._memory, nears = refresh(self._memory, board, NEAR_ECHOES)
+        self._memory = refresh(self._memory, board, MEMORY)
         robot, odometry, laser, bumper = (board.newest(kind) for kind in (ROBOT, ODOMETRY, LASER_SCAN, BUMPER))
         if robot is None or odometry is None or odometry.stamp_s < oldest_s:
             return standing("stale readings")
@@ -205,4 +206,5 @@ class ReflexSafety(SafetyLayer[ReflexSafetyParams]):
         way_rad = pi if wanted is not None and wanted.forward_mps < 0 else 0.0
         way_is_watched = watched(way_rad, sonars_s, scan, robot.value, oldest_s)
         touched_rad = bumper.value.bearings_rad if bumper is not None else ()
+        nears = around_now(self._memory, board, MEMORY.reach_m) if wanted is not None and wanted.forward_mps else []
         return reflex_limit(wanted, nears, touched_rad, way_is_watched, robot.value, now_s, self.params)

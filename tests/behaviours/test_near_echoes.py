@@ -2,12 +2,19 @@ from math import pi
 
 import pytest
 
-from behaviours.near_echoes import NEAR_ECHOES, around, no_echoes, pose_at, refresh
+from behaviours.near_echoes import Near, NearEchoes, NearEchoesParams, around, around_now, no_echoes, pose_at, refresh
+from blackboard.access import Access
 from blackboard.errors import MissionError
 from blackboard.messages.geometry import Pose
 from blackboard.messages.sensing import LaserScan, Odometry
 
 EAST = Pose(x_m=0.0, y_m=0.0, heading_rad=0.0)
+PARAMS = NearEchoesParams()
+
+
+def sensed(memory: NearEchoes, board: Access) -> tuple[NearEchoes, list[Near]]:
+    memory = refresh(memory, board, PARAMS)
+    return memory, around_now(memory, board, PARAMS.reach_m)
 
 
 def test_odometry_is_carried_along_its_arc() -> None:
@@ -25,81 +32,91 @@ def test_odometry_is_not_carried_for_ever() -> None:
 
 def test_an_echo_moves_as_the_robot_does(bench) -> None:
     bench.at(1.0).hear({0: 0.7})
-    memory, nears = refresh(no_echoes(), bench.access, NEAR_ECHOES)
+    memory, nears = sensed(no_echoes(), bench.access)
     assert [(n.distance_m, n.bearing_rad) for n in nears] == [(pytest.approx(1.0), pytest.approx(0.0))]
     bench.at(2.0, Pose(x_m=1.0, y_m=-0.5, heading_rad=pi / 2))
-    _, nears = refresh(memory, bench.access, NEAR_ECHOES)
+    _, nears = sensed(memory, bench.access)
     assert [(n.distance_m, n.bearing_rad) for n in nears] == [(pytest.approx(0.5), pytest.approx(0.0, abs=1e-9))]
 
 
 def test_a_reading_counts_from_where_the_robot_was_when_it_was_taken(bench) -> None:
     bench.at(1.0, Pose(x_m=0.5, y_m=0.0, heading_rad=0.0), forward_mps=0.5).hear({0: 0.7}, stamp_s=0.8)
-    _, nears = refresh(no_echoes(), bench.access, NEAR_ECHOES)
+    _, nears = sensed(no_echoes(), bench.access)
     assert nears[0].distance_m == pytest.approx(0.9)  # heard at x = 0.4
 
 
 def test_an_echo_settles_when_it_stays(bench) -> None:
     memory = no_echoes()
-    seen = []
+    settled = []
     for i in range(4):
         bench.at(0.2 * i).hear({0: 0.7 + 0.01 * i})
-        memory, nears = refresh(memory, bench.access, NEAR_ECHOES)
-        seen.append(any(n.settled for n in nears))
-    assert seen == [False, False, True, True]
+        memory, nears = sensed(memory, bench.access)
+        settled.append(any(n.settled for n in nears))
+    assert settled == [False, False, True, True]
 
 
 def test_what_comes_on_at_walking_speed_never_settles(bench) -> None:
     memory = no_echoes()
     for i in range(8):
         bench.at(0.2 * i).hear({0: 1.6 - 0.2 * i})
-        memory, nears = refresh(memory, bench.access, NEAR_ECHOES)
+        memory, nears = sensed(memory, bench.access)
         assert not any(n.settled for n in nears)
 
 
-def test_silence_does_not_clear_an_echo_but_three_readings_through_it_do(bench) -> None:
+def test_silence_does_not_clear_an_echo_but_readings_through_it_do(bench) -> None:
     bench.at(0.0).hear({0: 0.7})
-    memory, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
-    for now_s, range_m, left in ((0.2, None, 1), (0.4, 3.0, 1), (0.6, None, 1), (0.8, 3.0, 1), (1.0, 3.0, 0)):
-        bench.at(now_s).hear({0: range_m})
-        memory, nears = refresh(memory, bench.access, NEAR_ECHOES)
-        assert len(nears) == left
+    memory, _ = sensed(no_echoes(), bench.access)
+    left = []
+    for i, range_m in enumerate((None, None, None, None, 3.0, 3.0, 3.0, 3.0), 1):
+        bench.at(0.2 * i).hear({0: range_m})
+        memory, nears = sensed(memory, bench.access)
+        left.append(len(nears))
+    assert left[:6] == [1] * 6  # every second look is taken into account
+    assert left[7] == 0
 
 
 def test_what_is_close_to_a_sensor_is_not_doubted(bench) -> None:
     bench.at(0.0).hear({0: 0.15})
-    memory, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
+    memory, _ = sensed(no_echoes(), bench.access)
     for i in range(1, 6):
         bench.at(0.2 * i).hear({0: 3.0})
-        memory, nears = refresh(memory, bench.access, NEAR_ECHOES)
+        memory, nears = sensed(memory, bench.access)
         assert len(nears) == 1
 
 
 def test_echoes_are_forgotten_with_time_and_distance(bench) -> None:
     bench.at(0.0).hear({0: 0.7})
-    once, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
-    bench.at(NEAR_ECHOES.keep_new_s + 0.1).hear({6: None})
-    assert refresh(once, bench.access, NEAR_ECHOES)[1] == []
+    once, _ = sensed(no_echoes(), bench.access)
+    bench.at(PARAMS.keep_new_s + 0.1).hear({6: None})
+    assert sensed(once, bench.access)[1] == []
     bench.at(5.0).hear({0: 0.7})
-    again, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
+    again, _ = sensed(no_echoes(), bench.access)
     bench.at(5.1, Pose(x_m=-2.0, y_m=0.0, heading_rad=0.0)).hear({6: None})
-    assert refresh(again, bench.access, NEAR_ECHOES)[1] == []
+    assert sensed(again, bench.access)[1] == []
 
 
 def test_every_scan_counts_when_several_came_since(bench) -> None:
     bench.at(0.0).hear({0: 0.7})
-    memory, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
+    memory, _ = sensed(no_echoes(), bench.access)
     bench.at(0.1).hear({3: 0.5}).hear({9: 0.6})
-    memory, nears = refresh(memory, bench.access, NEAR_ECHOES)
+    memory, nears = sensed(memory, bench.access)
     assert len(nears) == 3
     assert sorted(memory.sonars_s) == [0, 3, 9]
 
 
+def test_without_news_the_memory_stays_the_same_object(bench) -> None:
+    bench.at(0.0).hear({0: 0.7})
+    memory = refresh(no_echoes(), bench.access, PARAMS)
+    bench.at(0.1)
+    assert refresh(memory, bench.access, PARAMS) is memory
+
+
 def test_the_memory_passed_in_is_left_as_it_was(bench) -> None:
     bench.at(0.0).hear({0: 0.7})
-    before, _ = refresh(no_echoes(), bench.access, NEAR_ECHOES)
+    before, _ = sensed(no_echoes(), bench.access)
     held = dict(before.echoes)
     bench.at(0.2).hear({0: 3.0, 5: 0.4})
-    refresh(before, bench.access, NEAR_ECHOES)
+    sensed(before, bench.access)
     assert before.echoes == held
 
 
@@ -107,16 +124,16 @@ def test_contacts_and_laser_echoes_are_remembered_too(make_bench) -> None:
     bench = make_bench(laser=True)
     scan = LaserScan(angle_min_rad=-pi / 2, angle_step_rad=pi / 2, ranges_m=(None, 0.4, None))
     bench.at(0.0).touch(pi / 2).sweep(scan)
-    _, nears = refresh(no_echoes(), bench.access, NEAR_ECHOES)
+    _, nears = sensed(no_echoes(), bench.access)
     found = sorted((n.bearing_rad, n.distance_m) for n in nears)
     assert found == [(pytest.approx(0.0), pytest.approx(0.5)), (pytest.approx(pi / 2), pytest.approx(0.3))]
 
 
 def test_a_board_without_readings_gives_nothing(bench) -> None:
-    assert refresh(no_echoes(), bench.access, NEAR_ECHOES)[1] == []
-    assert around(no_echoes(), EAST) == []
+    assert sensed(no_echoes(), bench.access)[1] == []
+    assert around(no_echoes(), EAST, 2.0) == []
 
 
 def test_a_memory_too_short_to_be_of_use_is_refused() -> None:
     with pytest.raises(MissionError, match=r"keep_s = 0\.5"):
-        type(NEAR_ECHOES)(keep_s=0.5)
+        NearEchoesParams(keep_s=0.5)
