@@ -2,7 +2,8 @@
 
 Reads  observations/signal/odometry     Odometry
 
-Bou-Ghannam 1992, section 5 (the start of an exploration). The turn is measured on the odometry: the sum of its changes.
+Bou-Ghannam 1992, section 5 (the start of an exploration). The turn is measured on the odometry: the sum of its changes. Where
+avoid-obstacles keeps turning the robot another way, curiosity gives up after a while.
 """
 
 from dataclasses import dataclass
@@ -22,10 +23,12 @@ class CuriosityParams:
 
     angle_rad: float = 2.0 * pi
     rate_radps: float = 0.5  # 6 degrees a scan at 5 Hz: every direction comes under a cone of 12 degrees twice
+    patience_s: float = 60.0  # gives up after this: several times what the whole turn takes
 
     def __post_init__(self) -> None:
         require(0.0 < self.angle_rad <= 20.0 * pi, "angle_rad", self.angle_rad, "(0, 20 pi]")
         require(0.05 <= abs(self.rate_radps) <= 3.0, "rate_radps", self.rate_radps, "+/- [0.05, 3]")
+        require(1.0 <= self.patience_s <= 3600.0, "patience_s", self.patience_s, "[1, 3600]")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,21 +37,22 @@ class Spin:
 
     turned_rad: float = 0.0
     heading_rad: float | None = None
+    until_s: float | None = None  # when it gives up
+    done: bool = False
 
 
-def curiosity_response(spin: Spin, heading_rad: float, params: CuriosityParams) -> tuple[Spin, Response | None]:
-    """Return the spin with this reading added, and a turn on the spot; None once the angle is reached."""
+def curiosity_response(
+    spin: Spin, heading_rad: float, now_s: float, params: CuriosityParams
+) -> tuple[Spin, Response | None]:
+    """Return the spin with this reading added, and a turn on the spot; None once it is done."""
     turned_rad = spin.turned_rad
     if spin.heading_rad is not None:
         change_rad = wrap_angle(heading_rad - spin.heading_rad)
         turned_rad += change_rad if params.rate_radps > 0 else -change_rad
-    spin = Spin(turned_rad=turned_rad, heading_rad=heading_rad)
-    return spin, None if finished(spin, params) else Response(turn_radps=params.rate_radps)
-
-
-def finished(spin: Spin, params: CuriosityParams) -> bool:
-    """Say whether the whole angle has been turned."""
-    return spin.turned_rad >= params.angle_rad
+    until_s = spin.until_s if spin.until_s is not None else now_s + params.patience_s
+    done = spin.done or turned_rad >= params.angle_rad or now_s >= until_s
+    spin = Spin(turned_rad=turned_rad, heading_rad=heading_rad, until_s=until_s, done=done)
+    return spin, None if done else Response(turn_radps=params.rate_radps)
 
 
 class Curiosity(Behaviour[CuriosityParams]):
@@ -65,8 +69,8 @@ class Curiosity(Behaviour[CuriosityParams]):
         odometry = board.newest(ODOMETRY)
         if odometry is None:
             return None
-        self._spin, response = curiosity_response(self._spin, odometry.value.pose.heading_rad, self.params)
+        self._spin, response = curiosity_response(self._spin, odometry.value.pose.heading_rad, board.now_s, self.params)
         return response
 
     def done(self) -> bool:
-        return finished(self._spin, self.params)
+        return self._spin.done

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from behaviours.curiosity import Curiosity, CuriosityParams, Spin, curiosity_response, finished
+from behaviours.curiosity import Curiosity, CuriosityParams, Spin, curiosity_response
 from blackboard.errors import MissionError
 from blackboard.messages.geometry import Pose, wrap_angle
 
@@ -13,12 +13,12 @@ from blackboard.messages.geometry import Pose, wrap_angle
 def test_it_turns_once_about_wherever_it_began(start: float, step: float, sense: float) -> None:
     params = CuriosityParams(rate_radps=sense * 0.5)
     spin, turned, heading = Spin(), 0.0, start
-    spin, response = curiosity_response(spin, heading, params)
+    spin, response = curiosity_response(spin, heading, 0.0, params)
     while response is not None:
         assert response.turn_radps == params.rate_radps
         assert (response.forward, response.left) == (0.0, 0.0)
         heading, turned = wrap_angle(heading + sense * step), turned + step
-        spin, response = curiosity_response(spin, heading, params)
+        spin, response = curiosity_response(spin, heading, 0.0, params)
     assert 2 * pi - 1e-6 <= turned <= 2 * pi + step + 1e-6
 
 
@@ -26,9 +26,20 @@ def test_turning_back_does_not_count() -> None:
     params = CuriosityParams()
     spin = Spin()
     for heading in (0.0, 1.0, 0.5, 0.0, -1.0):
-        spin, _ = curiosity_response(spin, heading, params)
+        spin, _ = curiosity_response(spin, heading, 0.0, params)
     assert spin.turned_rad == pytest.approx(-1.0)
-    assert not finished(spin, params)
+    assert not spin.done
+
+
+def test_it_gives_up_when_it_is_kept_from_turning() -> None:
+    params = CuriosityParams(patience_s=30.0)
+    spin, response = curiosity_response(Spin(), 0.0, 5.0, params)
+    assert response is not None
+    spin, response = curiosity_response(spin, 0.1, 34.9, params)
+    assert response is not None
+    spin, response = curiosity_response(spin, 0.1, 35.0, params)
+    assert response is None
+    assert curiosity_response(spin, 0.1, 36.0, params)[0].done
 
 
 def test_through_the_board_it_is_done_and_stays_so(bench) -> None:
