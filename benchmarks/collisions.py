@@ -3,7 +3,7 @@
 python benchmarks/collisions.py [--worlds lab trap office] [--robots k2a] [--seeds 20] [--minutes 10]
 
 A table of contacts that the robot caused, contacts that others caused, distance driven, floor visited, and the longest time
-spent in one place. Only the reflexes run: no knowledge sources, no pictures. The robots, worlds and behaviours are those of explore-lab.
+spent in one place. Only the reflexes of explore-lab run: no knowledge sources, no pictures.
 """
 
 import argparse
