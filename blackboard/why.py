@@ -10,7 +10,8 @@ from blackboard.errors import BoardError, did_you_mean
 from blackboard.journal import JournalLine
 from blackboard.key_expressions import matches
 
-SHOWN_CHARACTERS = 90
+SHOWN_CHARACTERS = 110
+SHOWN_NUMBERS = 16  # a ring of sonars; longer lists are counted
 
 
 @dataclass
@@ -114,17 +115,18 @@ def _words(support: Support, first: JournalLine, last: JournalLine) -> str:
 
 def _brief(raw: msgspec.Raw) -> str:
     value = msgspec.json.decode(raw)
-    parts = []
-    for name, item in value.items() if isinstance(value, dict) else ():
-        if isinstance(item, dict) and "zlib_base64" in item:
-            item = f"{item['dtype']}{item['shape']}"
-        elif isinstance(item, list) and len(item) > 4:
-            item = f"{len(item)} values"
-        elif isinstance(item, float):
-            item = f"{item:.4g}"
-        elif isinstance(item, dict):
-            item = ", ".join(f"{v:.4g}" if isinstance(v, float) else str(v) for v in item.values())
-            item = f"({item})"
-        parts.append(f"{name} {item}")
-    text = ", ".join(parts)
+    text = ", ".join(f"{name} {_shown(item)}" for name, item in value.items()) if isinstance(value, dict) else ""
     return text if len(text) <= SHOWN_CHARACTERS else f"{text[: SHOWN_CHARACTERS - 3]}..."
+
+
+def _shown(item: object) -> str:
+    if isinstance(item, dict):
+        if "zlib_base64" in item:
+            return f"{item['dtype']}{item['shape']}"
+        return f"({', '.join(map(_shown, item.values()))})"
+    if isinstance(item, list):
+        numbers = all(part is None or isinstance(part, int | float) for part in item)
+        return f"[{' '.join(map(_shown, item))}]" if numbers and len(item) <= SHOWN_NUMBERS else f"{len(item)} values"
+    if isinstance(item, float):
+        return f"{item:.3g}"
+    return "-" if item is None else str(item)
