@@ -35,5 +35,7 @@ def clear_way_m(nears: Iterable[Near], direction_rad: float, half_width_m: float
     clear_m = at_most_m
     for distance_m, bearing_rad, _, _, _ in nears:
         if distance_m - half_width_m < clear_m:
-            clear_m = min(clear_m, free_travel_m(distance_m, off_course(bearing_rad, direction_rad), half_width_m))
+            off_rad = off_course(bearing_rad, direction_rad)
+            if off_rad < 0.5 * pi:
+                clear_m = min(clear_m, free_travel_m(distance_m, off_rad, half_width_m))
     return clear_m

@@ -45,6 +45,9 @@ MOST_UNREAD = 16  # readings of one kind that are looked at in one cycle
 
 M = TypeVar("M", bound=Message)
 Cell = tuple[int, int]
+Near = tuple[float, float, float, float, bool]
+"""One remembered echo as it lies from where the robot is now, robot frame: distance from the robot's centre (m), bearing and half
+the width of its cone (rad), when it was heard (s), and whether it is settled. Plain, since many are made each cycle."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,16 +80,6 @@ class Echo(NamedTuple):
     settled: bool  # it was heard about here before: it stands still
     half_cone_rad: float
     doubt: int  # how many readings since have gone through it
-
-
-class Near(NamedTuple):
-    """One remembered echo as it lies from where the robot is now: robot frame, distance from its centre."""
-
-    distance_m: float
-    bearing_rad: float
-    half_cone_rad: float
-    heard_s: float
-    settled: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -192,7 +185,7 @@ def around(memory: NearEchoes, pose: Pose, within_m: float) -> list[Near]:
         distance_m2 = dx * dx + dy * dy
         if distance_m2 <= limit_m2:
             bearing_rad = (atan2(dy, dx) + offset_rad) % whole_rad - pi
-            nears.append(Near(sqrt(distance_m2), bearing_rad, half_cone_rad, heard_s, settled))
+            nears.append((sqrt(distance_m2), bearing_rad, half_cone_rad, heard_s, settled))
     return nears
 
 

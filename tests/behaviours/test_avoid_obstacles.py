@@ -14,7 +14,7 @@ echoes = st.lists(st.tuples(st.floats(0.0, 3.0), st.floats(-3.1, 3.1)), max_size
 
 
 def near(range_m: float, bearing_rad: float) -> Near:
-    return Near(range_m + RADIUS_M, bearing_rad, 0.1, 0.0, True)
+    return (range_m + RADIUS_M, bearing_rad, 0.1, 0.0, True)
 
 
 def test_one_echo_pushes_by_the_square_of_its_nearness() -> None:

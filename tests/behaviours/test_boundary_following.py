@@ -24,13 +24,13 @@ echoes = st.lists(st.tuples(st.floats(0.05, 1.6), st.floats(-3.1, 3.1)), max_siz
 
 
 def near(range_m: float, bearing_rad: float) -> Near:
-    return Near(range_m + RADIUS_M, bearing_rad, 0.1, 0.0, True)
+    return (range_m + RADIUS_M, bearing_rad, 0.1, 0.0, True)
 
 
 def wall_ahead(range_m: float) -> list[Near]:
     """Return echoes of a wide wall across the way, `range_m` before the rim."""
     ahead_m = range_m + RADIUS_M
-    return [Near(hypot(ahead_m, 0.1 * i), atan2(0.1 * i, ahead_m), 0.1, 0.0, True) for i in range(-12, 13)]
+    return [(hypot(ahead_m, 0.1 * i), atan2(0.1 * i, ahead_m), 0.1, 0.0, True) for i in range(-12, 13)]
 
 
 def answer(nears: list[Near], course: Course | None = None, heading_rad: float = 0.0) -> tuple[Course, Response | None]:

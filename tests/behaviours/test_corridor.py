@@ -11,7 +11,7 @@ angles = st.floats(-pi, pi)
 
 
 def near(distance_m: float, bearing_rad: float) -> Near:
-    return Near(distance_m, bearing_rad, 0.0, 0.0, True)
+    return (distance_m, bearing_rad, 0.0, 0.0, True)
 
 
 def test_straight_ahead_the_rim_arrives_first() -> None:

@@ -33,16 +33,16 @@ def test_odometry_is_not_carried_for_ever() -> None:
 def test_an_echo_moves_as_the_robot_does(bench) -> None:
     bench.at(1.0).hear({0: 0.7})
     memory, nears = sensed(no_echoes(), bench.access)
-    assert [(n.distance_m, n.bearing_rad) for n in nears] == [(pytest.approx(1.0), pytest.approx(0.0))]
+    assert [(n[0], n[1]) for n in nears] == [(pytest.approx(1.0), pytest.approx(0.0))]
     bench.at(2.0, Pose(x_m=1.0, y_m=-0.5, heading_rad=pi / 2))
     _, nears = sensed(memory, bench.access)
-    assert [(n.distance_m, n.bearing_rad) for n in nears] == [(pytest.approx(0.5), pytest.approx(0.0, abs=1e-9))]
+    assert [(n[0], n[1]) for n in nears] == [(pytest.approx(0.5), pytest.approx(0.0, abs=1e-9))]
 
 
 def test_a_reading_counts_from_where_the_robot_was_when_it_was_taken(bench) -> None:
     bench.at(1.0, Pose(x_m=0.5, y_m=0.0, heading_rad=0.0), forward_mps=0.5).hear({0: 0.7}, stamp_s=0.8)
     _, nears = sensed(no_echoes(), bench.access)
-    assert nears[0].distance_m == pytest.approx(0.9)  # heard at x = 0.4
+    assert nears[0][0] == pytest.approx(0.9)  # heard at x = 0.4
 
 
 def test_an_echo_settles_when_it_stays(bench) -> None:
@@ -51,7 +51,7 @@ def test_an_echo_settles_when_it_stays(bench) -> None:
     for i in range(4):
         bench.at(0.2 * i).hear({0: 0.7 + 0.01 * i})
         memory, nears = sensed(memory, bench.access)
-        settled.append(any(n.settled for n in nears))
+        settled.append(any(n[4] for n in nears))
     assert settled == [False, False, True, True]
 
 
@@ -60,7 +60,7 @@ def test_what_comes_on_at_walking_speed_never_settles(bench) -> None:
     for i in range(8):
         bench.at(0.2 * i).hear({0: 1.6 - 0.2 * i})
         memory, nears = sensed(memory, bench.access)
-        assert not any(n.settled for n in nears)
+        assert not any(n[4] for n in nears)
 
 
 def test_silence_does_not_clear_an_echo_but_readings_through_it_do(bench) -> None:
@@ -125,7 +125,7 @@ def test_contacts_and_laser_echoes_are_remembered_too(make_bench) -> None:
     scan = LaserScan(angle_min_rad=-pi / 2, angle_step_rad=pi / 2, ranges_m=(None, 0.4, None))
     bench.at(0.0).touch(pi / 2).sweep(scan)
     _, nears = sensed(no_echoes(), bench.access)
-    found = sorted((n.bearing_rad, n.distance_m) for n in nears)
+    found = sorted((n[1], n[0]) for n in nears)
     assert found == [(pytest.approx(0.0), pytest.approx(0.5)), (pytest.approx(pi / 2), pytest.approx(0.3))]
 
 

@@ -33,7 +33,7 @@ clear = dict.fromkeys(range(12))
 def near(
     range_m: float, bearing_rad: float, *, settled: bool = True, age_s: float = 0.0, half_cone_rad: float = 0.0
 ) -> Near:
-    return Near(range_m + ROBOT.radius_m, bearing_rad, half_cone_rad, -age_s, settled)
+    return (range_m + ROBOT.radius_m, bearing_rad, half_cone_rad, -age_s, settled)
 
 
 def go(forward_mps: float, turn_radps: float = 0.0, valid_until_s: float = 0.5) -> Velocity:
@@ -74,18 +74,18 @@ def test_it_always_stops_short_of_what_stands_ahead(range_m: float) -> None:
 
 
 def test_the_width_of_the_robot_counts_not_just_the_ray_ahead() -> None:
-    grazing = Near(0.5, 0.6, 0.0, 0.0, True)  # 0.28 m to the side, 0.41 m ahead
+    grazing = (0.5, 0.6, 0.0, 0.0, True)  # 0.28 m to the side, 0.41 m ahead
     drive = limited([grazing])
     assert drive.clearance_m == pytest.approx(
         0.4127 - 0.2234, abs=1e-3
     )  # the shoulder is 0.22 m ahead of the centre there
     assert stopping_m(drive.forward_mps) == pytest.approx(drive.clearance_m)
-    passing = Near(0.5, 0.85, 0.0, 0.0, True)  # 0.376 m to the side
+    passing = (0.5, 0.85, 0.0, 0.0, True)  # 0.376 m to the side
     assert limited([passing]).forward_mps == 0.4
 
 
 def test_a_turn_sweeps_more_than_the_way_ahead() -> None:
-    aside = Near(0.5, 0.85, 0.0, 0.0, True)
+    aside = (0.5, 0.85, 0.0, 0.0, True)
     assert limited([aside], turn_radps=0.8).forward_mps < 0.4
     assert limited([aside], turn_radps=-0.8).forward_mps == 0.4
 
