@@ -122,7 +122,7 @@ class SonarEvidence:
         ahead = (x - column - 0.5) * laid.cosine + (y - row - 0.5) * laid.sine
         range_m = ping.range_m + ahead * params.cell_m
         counts, last = laid.cone.count_within, len(laid.cone.count_within) - 1
-        step = int(range_m / RANGE_STEP_M)
+        step = max(int(range_m / RANGE_STEP_M), 0)
         if ping.heard:
             clear = counts[min(max(step - self._margin, 0), last)]
             near = counts[min(max(step - self._band, 0), last)]
