@@ -67,12 +67,12 @@ def test_silence_does_not_clear_an_echo_but_readings_through_it_do(bench) -> Non
     bench.at(0.0).hear({0: 0.7})
     memory, _ = sensed(no_echoes(), bench.access)
     left = []
-    for i, range_m in enumerate((None, None, None, None, 3.0, 3.0, 3.0, 3.0), 1):
+    for i, range_m in enumerate((None, None, None, 3.0, 3.0, 3.0, 3.0, 3.0, 3.0), 1):
         bench.at(0.2 * i).hear({0: range_m})
         memory, nears = sensed(memory, bench.access)
         left.append(len(nears))
-    assert left[:6] == [1] * 6  # every second look is taken into account
-    assert left[7] == 0
+    assert left[:6] == [1] * 6  # every third look is taken into account
+    assert left[8] == 0
 
 
 def test_what_is_close_to_a_sensor_is_not_doubted(bench) -> None:
