@@ -17,15 +17,14 @@ from typing import Any
 import numpy as np
 
 from blackboard.entry import Entry
-from blackboard.grid import Grid
 from blackboard.kinds import LASER_SCAN, SONAR_SCAN
 from blackboard.messages.geometry import Pose
 from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan
 from blackboard.mission import find_mission, load_mission
 from blackboard.runner import Run
-from knowledge_sources.eou_grid import fold
+from knowledge_sources.eou_grid import EvidenceGrid
 from knowledge_sources.eou_params import EouGridParams
-from knowledge_sources.sonar_evidence import SonarEvidence, pings
+from knowledge_sources.sonar_evidence import pings
 
 PLACES, ROUNDS = 200, 9
 Scan = SonarScan | LaserScan
@@ -89,12 +88,12 @@ def main() -> None:
         robot, taken = scans(robot_name, kind)
         ours, theirs = [], []
         for _ in range(ROUNDS):
-            grid, evidence = Grid(params.cell_m), SonarEvidence(params)
+            grid = EvidenceGrid(params)
             for pose, scan in taken:  # once to warm the templates up, as after a minute of driving
-                fold(grid, evidence, scan, robot, pose, params)
+                grid.fold(scan, robot, pose)
             started = perf_counter()
             for pose, scan in taken:
-                fold(grid, evidence, scan, robot, pose, params)
+                grid.fold(scan, robot, pose)
             ours.append((perf_counter() - started) / PLACES * 1e3)
             cells = np.full((800, 800), 128, np.int16)
             started = perf_counter()

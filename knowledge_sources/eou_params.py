@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from blackboard.parameters import require
 
+LONGEST_RANGE_CELLS = 1000  # the thesis's 10 m of 1 cm; templates of more take seconds and gigabytes
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EouGridParams:
@@ -35,6 +37,9 @@ class EouGridParams:
         require(0.0 <= self.post_interval_s <= 3600, "post_interval_s", self.post_interval_s, "[0, 3600] seconds")
         for name in ("sonar_range_m", "laser_range_m"):
             require(0.2 <= getattr(self, name) <= 50, name, getattr(self, name), "[0.2, 50] metres")
+            longest_m = LONGEST_RANGE_CELLS * self.cell_m
+            within = f"{longest_m:g} metres, {LONGEST_RANGE_CELLS} cells of cell_m = {self.cell_m:g}"
+            require(getattr(self, name) <= longest_m, name, getattr(self, name), within)
         require(0 <= self.no_echo_clears_m <= 50, "no_echo_clears_m", self.no_echo_clears_m, "[0, 50] metres")
         for name in ("sonar_down", "sonar_up", "laser_down", "laser_up"):
             require(1 <= getattr(self, name) <= 127, name, getattr(self, name), "[1, 127]")

@@ -8,14 +8,14 @@ Posts         observations/feature/supported_points    PointSet: a batch, as soo
 """
 
 from dataclasses import dataclass
-from math import cos, hypot, sin
+from math import cos, hypot, inf, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from blackboard.access import Access
 from blackboard.component import KnowledgeSource
-from blackboard.entry import Entry, Support
+from blackboard.entry import Entry
 from blackboard.grid import EMPTY_MAX, Grid
 from blackboard.kinds import GRID, LASER_SCAN, ROBOT, SONAR_SCAN, SUPPORTED_POINTS
 from blackboard.messages.geometry import Pose, pack_array, wrap_angle
@@ -23,6 +23,8 @@ from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan
 from blackboard.messages.world import PointSet
 from blackboard.parameters import require
 from knowledge_sources.poses import READS, map_from_robot_at
+from knowledge_sources.sensors import laser_of, sonar_of
+from knowledge_sources.stretches import Stretches
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,15 +60,17 @@ class RawPoint(NamedTuple):
 
 def sonar_points(
     scan: SonarScan, robot: RobotDescription, map_from_robot: Pose, params: FilterRawParams
-) -> list[RawPoint]:
-    """Return the echoes of a scan as points."""
-    points = []
+) -> list[RawPoint | None]:
+    """Return the reading of each sonar of a scan as a point; None where there is no echo that counts."""
+    points: list[RawPoint | None] = []
     for number, range_m in zip(scan.sensors, scan.ranges_m, strict=True):
-        if range_m is not None and range_m <= params.max_range_m:
-            sonar = robot.sonars[number]
-            at = map_from_robot @ sonar.mount
-            x, y = at.transform(range_m, 0.0)
-            points.append(RawPoint(x, y, at.x_m, at.y_m, sonar.cone_rad / 2))
+        sonar = sonar_of(robot, number)
+        if range_m is None or not 0.0 < range_m <= params.max_range_m:
+            points.append(None)
+            continue
+        at = map_from_robot @ sonar.mount
+        x, y = at.transform(range_m, 0.0)
+        points.append(RawPoint(x, y, at.x_m, at.y_m, sonar.cone_rad / 2))
     return points
 
 
@@ -74,7 +78,7 @@ def laser_points(
     scan: LaserScan, robot: RobotDescription, map_from_robot: Pose, params: FilterRawParams
 ) -> list[RawPoint]:
     """Return the ends of a sweep's beams as points, thinned: one within `laser_step_m` of the last one kept is left out."""
-    at = map_from_robot @ robot.lasers[scan.laser].mount
+    at = map_from_robot @ laser_of(robot, scan.laser).mount
     points: list[RawPoint] = []
     for i, range_m in enumerate(scan.ranges_m):
         if range_m is None or not 0.0 < range_m <= params.max_range_m:
@@ -95,7 +99,7 @@ def supported(points: list[RawPoint], grid: Grid | None) -> list[RawPoint]:
 
 
 class FilterRaw(KnowledgeSource[FilterRawParams]):
-    """Collects points until a batch of them is borne out by the grid."""
+    """Collects points until a batch of them is borne out by the grid. At most a batch and one scan of them are held."""
 
     Params = FilterRawParams
     triggers = (SONAR_SCAN, LASER_SCAN)
@@ -107,43 +111,52 @@ class FilterRaw(KnowledgeSource[FilterRawParams]):
         super().__init__(params, name=name, seed=seed)
         self._points: list[RawPoint] = []
         self._dropped = 0
-        self._stretches: dict[str, Support] = {}
-        self._last_pose: Pose | None = None
+        self._newest_s = -inf  # stamp of the newest scan with a point
+        self._stretches = Stretches()  # of scans and poses, since the last batch
+        self._counted_at: dict[tuple[str, int], Pose] = {}  # where each sensor's reading last counted
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         robot = board.newest(ROBOT)
         found = map_from_robot_at(board, trigger.stamp_s)
-        if robot is None or found is None or not self._moved(found[0]):
+        if robot is None or found is None:
             return
-        pose, params = found[0], self.params
-        if isinstance(trigger.value, SonarScan):
-            self._points += sonar_points(trigger.value, robot.value, pose, params)
-        else:
-            self._points += laser_points(trigger.value, robot.value, pose, params)
-        for entry in (trigger, *found[1]):
-            known = self._stretches.get(entry.key)
-            first = entry.revision if known is None else min(known.first, entry.revision)
-            last = entry.revision if known is None else max(known.last, entry.revision)
-            self._stretches[entry.key] = Support(entry.key, first, last)
-        if len(self._points) >= params.batch_points:
-            self._post(board, params.batch_points)
+        points = self._new_points(trigger.value, robot.value, found[0])
+        if not points:
+            return
+        self._points += points
+        self._newest_s = max(self._newest_s, trigger.stamp_s)
+        self._stretches.add((trigger, *found[1]))
+        self._post(board, self.params.batch_points)
 
     def finish(self, board: Access) -> None:
         self._post(board, self.params.least_points)
 
-    def _moved(self, pose: Pose) -> bool:
-        last, params = self._last_pose, self.params
-        turn_rad = 0.0 if last is None else abs(wrap_angle(pose.heading_rad - last.heading_rad))
-        if last is not None and pose.distance_m(last) < params.min_step_m and turn_rad < params.min_turn_rad:
-            return False
-        self._last_pose = pose
-        return True
+    def _new_points(self, scan: SonarScan | LaserScan, robot: RobotDescription, pose: Pose) -> list[RawPoint]:
+        """Return the points of those sensors that have moved since they last counted."""
+        if isinstance(scan, LaserScan):
+            return laser_points(scan, robot, pose, self.params) if self._moved(("laser", scan.laser), pose) else []
+        moved = [self._moved(("sonar", number), pose) for number in scan.sensors]
+        points = sonar_points(scan, robot, pose, self.params)
+        return [point for point, counts in zip(points, moved, strict=True) if counts and point is not None]
+
+    def _moved(self, sensor: tuple[str, int], pose: Pose) -> bool:
+        last, params = self._counted_at.get(sensor), self.params
+        moved = (
+            last is None
+            or pose.distance_m(last) >= params.min_step_m
+            or abs(wrap_angle(pose.heading_rad - last.heading_rad)) >= params.min_turn_rad
+        )
+        if moved:
+            self._counted_at[sensor] = pose
+        return moved
 
     def _post(self, board: Access, least: int) -> None:
-        """Drop what the grid does not bear out, and post the rest if it is enough."""
+        """Where there may be enough, drop what the grid does not bear out, and post the rest if it is enough."""
+        if len(self._points) < least:
+            return
         tiles: list[Entry[Any]] = []
         if self.params.use_grid:
-            tiles = list(board.entries(GRID, area=_box(self._points)))
+            tiles = board.entries(GRID, area=_box(self._points))
             kept = supported(self._points, Grid.from_tiles(tile.value for tile in tiles))
             self._dropped += len(self._points) - len(kept)
             self._points = kept
@@ -156,11 +169,11 @@ class FilterRaw(KnowledgeSource[FilterRawParams]):
             half_cone_rad=pack_array(np.ascontiguousarray(points[:, 4])),
             dropped=self._dropped,
         )
-        board.post(SUPPORTED_POINTS, value, supports=[*self._stretches.values(), *tiles])
+        board.post(SUPPORTED_POINTS, value, supports=[*self._stretches.supports(), *tiles], stamp_s=self._newest_s)
         self._points, self._dropped = [], 0
         self._stretches.clear()
 
 
 def _box(points: list[RawPoint]) -> tuple[float, float, float, float]:
-    xs, ys = [p.x_m for p in points] or [0.0], [p.y_m for p in points] or [0.0]
+    xs, ys = [p.x_m for p in points], [p.y_m for p in points]
     return (min(xs), min(ys), max(xs), max(ys))

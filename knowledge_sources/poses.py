@@ -12,12 +12,13 @@ from blackboard.messages.geometry import IDENTITY, Pose, interpolate
 READS = (ODOM_FROM_ROBOT, MAP_FROM_ODOM)
 LONGEST_GAP_S = 2.0  # between two poses that are interpolated: a robot may do anything in a longer one
 LONGEST_REACH_S = 0.3  # beyond the newest pose, at its speed: a few periods of common odometry
+SHORTEST_BASE_S = 0.05  # between two poses that give a speed: repaired stamps may lie a microsecond apart
 
 
 def map_from_robot_at(board: Access, stamp_s: float) -> tuple[Pose, tuple[Entry[Pose], ...]] | None:
     """Return map_from_robot at `stamp_s` and the entries that it stands on; None where no pose is near enough in time.
 
-    Between two poses it is interpolated; after the newest it goes on at the speed of the last two for LONGEST_REACH_S.
+    Between two poses it is interpolated; after the newest it goes on at its speed for LONGEST_REACH_S.
     """
     odometry = _odom_from_robot_at(board, stamp_s)
     if odometry is None:
@@ -43,7 +44,7 @@ def _odom_from_robot_at(board: Access, stamp_s: float) -> tuple[Pose, tuple[Entr
         return (after.value, (after,)) if after.stamp_s - stamp_s <= LONGEST_REACH_S else None
     if before is None or stamp_s - before.stamp_s > LONGEST_REACH_S:
         return None
-    earlier, _ = board.around(ODOM_FROM_ROBOT, before.stamp_s - 1e-6)
+    earlier, _ = board.around(ODOM_FROM_ROBOT, before.stamp_s - SHORTEST_BASE_S)
     if earlier is None or before.stamp_s - earlier.stamp_s > LONGEST_GAP_S:
         return before.value, (before,)
     fraction = (stamp_s - earlier.stamp_s) / (before.stamp_s - earlier.stamp_s)

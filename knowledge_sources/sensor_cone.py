@@ -1,8 +1,9 @@
-"""The template cone of a sonar, laid over square cells once for each heading (Bou-Ghannam 1992, section 5.2.1, step 2).
+"""The template cone of a sonar, laid over square cells (Bou-Ghannam 1992, section 5.2.1, step 2).
 
 A template's cells are sorted by range, so the cone cut at any range is its first cells; `count_within` finds how many.
 """
 
+from array import array
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, pi
@@ -13,6 +14,7 @@ import numpy.typing as npt
 HEADINGS = 720  # templates in a full turn: half a degree; the edge of a cone of 5 m is off by 2 cm at most
 SECTORS = 8  # parts of a cone's width that can be blocked one by one: one bit each
 RANGE_STEP_M = 0.01  # how finely a cone can be cut: a fifth of a cell
+ROUNDING = 1e-9  # what lies on an edge lies inside, on either side alike
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,10 +23,8 @@ class Cone:
 
     rows: npt.NDArray[np.int64]  # (n,) relative to the sensor's cell
     columns: npt.NDArray[np.int64]
-    ranges_m: npt.NDArray[np.float64]  # (n,) from the centre of the sensor's cell
-    off_axis: npt.NDArray[np.float64]  # (n,) 0 on the axis, 1 on the edge of the cone
     sectors: npt.NDArray[np.uint8]  # (n,) one bit for each sector that the cell covers part of
-    count_within: list[int]  # number of cells nearer than k * RANGE_STEP_M
+    count_within: "array[int]"  # number of cells no further than k * RANGE_STEP_M from the centre of the sensor's cell
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,49 +39,43 @@ class Disc:
     sorted_bearings_rad: npt.NDArray[np.float64]
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=2)
 def disc(radius_m: float, cell_m: float) -> Disc:
     """Return the cells within `radius_m` of the centre of cell (0, 0), ties in range by row, then column."""
     reach = ceil(radius_m / cell_m)
     rows, columns = (a.ravel() for a in np.mgrid[-reach : reach + 1, -reach : reach + 1])
     ranges = np.hypot(rows, columns) * cell_m
     order = np.argsort(ranges, kind="stable")
-    order = order[ranges[order] <= radius_m]
+    order = order[ranges[order] <= radius_m + ROUNDING]
     rows, columns, ranges = rows[order], columns[order], ranges[order]
     bearings = np.arctan2(rows, columns)
     by_bearing = np.argsort(bearings, kind="stable")
     return Disc(rows, columns, ranges, bearings, by_bearing, bearings[by_bearing])
 
 
-@lru_cache(maxsize=4 * HEADINGS)
 def cone(cone_rad: float, radius_m: float, cell_m: float, heading: int) -> Cone:
     """Return the cone of full width `cone_rad` whose axis points along `heading * 2 pi / HEADINGS`.
 
     The sensor's own cell belongs to it, and so does every cell whose centre does.
     """
     around = disc(radius_m, cell_m)
-    axis_rad = _wrapped(heading * 2 * pi / HEADINGS)
-    half_rad = cone_rad / 2
-    chosen = [
-        around.by_bearing[
-            slice(
-                *np.searchsorted(around.sorted_bearings_rad, (axis_rad - half_rad + turn, axis_rad + half_rad + turn))
-            )
-        ]
-        for turn in (-2 * pi, 0.0, 2 * pi)
-    ]
-    inside = np.unique(np.concatenate([np.zeros(1, np.int64), *chosen]))
+    axis_rad = (heading * 2 * pi / HEADINGS + pi) % (2 * pi) - pi
+    half_rad = min(cone_rad / 2, pi)
+    low_rad, high_rad = axis_rad - half_rad - ROUNDING, axis_rad + half_rad + ROUNDING
+    chosen = [np.zeros(1, np.int64)]
+    for turn in (-2 * pi, 0.0, 2 * pi):
+        first, last = np.searchsorted(around.sorted_bearings_rad, (low_rad + turn, high_rad + turn))
+        chosen.append(around.by_bearing[first:last])
+    inside = np.unique(np.concatenate(chosen))
     ranges = around.ranges_m[inside]
     off_rad = (around.bearings_rad[inside] - axis_rad + pi) % (2 * pi) - pi
     off_rad[0] = 0.0
-    edges = np.ceil(np.arange(ceil(radius_m / RANGE_STEP_M) + 2) * RANGE_STEP_M * 1e6) / 1e6
+    limits = np.arange(ceil(radius_m / RANGE_STEP_M) + 2) * RANGE_STEP_M + ROUNDING
     return Cone(
         rows=around.rows[inside],
         columns=around.columns[inside],
-        ranges_m=ranges,
-        off_axis=np.minimum(np.abs(off_rad) / half_rad, 1.0),
         sectors=_sectors(ranges, off_rad, half_rad, cell_m),
-        count_within=np.searchsorted(ranges, edges).tolist(),
+        count_within=array("i", np.searchsorted(ranges, limits).astype(np.int32).tobytes()),
     )
 
 
@@ -94,7 +88,3 @@ def _sectors(
     first = np.clip(np.floor((off_rad - reach_rad + half_rad) * per_rad), 0, SECTORS - 1).astype(np.int64)
     last = np.clip(np.floor((off_rad + reach_rad + half_rad) * per_rad), 0, SECTORS - 1).astype(np.int64)
     return ((2 << last) - (1 << first)).astype(np.uint8)
-
-
-def _wrapped(angle_rad: float) -> float:
-    return (angle_rad + pi) % (2 * pi) - pi

@@ -2,11 +2,13 @@
 
 Steps 2 and 3 of Bou-Ghannam 1992, section 5.2.1. Beyond the thesis, an echo's evidence is shared along its arc in proportion
 to the present odds of its cells, since one thing made it; and a cone ends at what is surely occupied, since an echo from
-behind that did not come straight.
+behind that did not come straight. Cones of one scan that overlap heard the same things at the same time: a cell in several of
+them changes once, by the largest step, whatever the order of the sonars.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from math import cos, floor, pi, sin
 from typing import NamedTuple
 
@@ -18,15 +20,21 @@ from blackboard.messages.geometry import Pose
 from blackboard.messages.sensing import RobotDescription, SonarScan
 from knowledge_sources.eou_params import EouGridParams
 from knowledge_sources.sensor_cone import HEADINGS, RANGE_STEP_M, Cone, cone
+from knowledge_sources.sensors import sonar_of
 
 SURE_ODDS = 8.0  # odds are counted up to here: beyond it one cell would take all, whatever came later
+CELLS_KEPT = 6_000_000  # of laid cones, some 150 MB; 720 headings of a cone of 25 degrees and 5 m need 1.6 million
+LEAST_WEIGHT = 1e-9  # of an arc that lies in the shadow altogether
 
 Indices = npt.NDArray[np.int64]
 Bytes = npt.NDArray[np.uint8]
 
 
 class Ping(NamedTuple):
-    """One sonar's reading, map frame: where it stood, where it looked, and how far it is clear. `heard`: an echo came."""
+    """One sonar's reading, map frame: where it stood, where it looked, and how far it is clear. `heard`: an echo came.
+
+    `range_m` is at most `sonar_range_m`.
+    """
 
     x_m: float
     y_m: float
@@ -39,18 +47,26 @@ class Ping(NamedTuple):
 def pings(scan: SonarScan, robot: RobotDescription, map_from_robot: Pose, params: EouGridParams) -> list[Ping]:
     """Return what each sonar of a scan says, as far as it is trusted; those that say nothing are left out."""
     said = []
+    cosine, sine = cos(map_from_robot.heading_rad), sin(map_from_robot.heading_rad)
     for number, range_m in zip(scan.sensors, scan.ranges_m, strict=True):
-        sonar = robot.sonars[number]
-        heard = range_m is not None and range_m <= params.sonar_range_m
-        silent_m = min(params.no_echo_clears_m, sonar.max_range_m)
-        clear_m = silent_m if range_m is None else min(range_m, params.sonar_range_m)
+        sonar = sonar_of(robot, number)
+        clear_m = min(params.no_echo_clears_m, sonar.max_range_m) if range_m is None else range_m
         if clear_m > 0.0:
-            at = map_from_robot @ sonar.mount
-            said.append(Ping(at.x_m, at.y_m, at.heading_rad, sonar.cone_rad, clear_m, heard))
+            mount = sonar.mount
+            said.append(
+                Ping(
+                    map_from_robot.x_m + cosine * mount.x_m - sine * mount.y_m,
+                    map_from_robot.y_m + sine * mount.x_m + cosine * mount.y_m,
+                    map_from_robot.heading_rad + mount.heading_rad,
+                    sonar.cone_rad,
+                    min(clear_m, params.sonar_range_m),
+                    range_m is not None and range_m <= params.sonar_range_m,
+                )
+            )
     return said
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class _Laid:
     """A cone laid over the grid's flat array: offsets from the sensor's cell, nearest first."""
 
@@ -77,6 +93,7 @@ class SonarEvidence:
     def __init__(self, params: EouGridParams) -> None:
         self._params = params
         self._laid: dict[tuple[float, int], _Laid] = {}
+        self._laid_cells = 0
         self._width = 0
         values = np.arange(256)
         odds = np.minimum((values + 1) / (256 - values), SURE_ODDS)
@@ -91,7 +108,7 @@ class SonarEvidence:
         """Lower the cells that the pings passed and raise those where they ended. The grid must cover their range."""
         flat, width, first_row, first_column = grid.flat()
         if width != self._width:
-            self._laid.clear()
+            self._forget()
             self._width = width
         cuts: list[_Cut] = []
         used = 0
@@ -108,7 +125,7 @@ class SonarEvidence:
             steps *= lit
         np.maximum(values, steps, out=values)
         values -= steps
-        flat[cells] = values
+        np.minimum.at(flat, cells, values)
         self._raise(flat, cells, cuts, lit)
 
     def _cut(self, ping: Ping, start: int, first_row: int, first_column: int) -> _Cut:
@@ -120,16 +137,15 @@ class SonarEvidence:
         row, column = floor(y), floor(x)
         # ranges of a template count from the centre of the sensor's cell: shift the cut by where in it the sensor is
         ahead = (x - column - 0.5) * laid.cosine + (y - row - 0.5) * laid.sine
-        range_m = ping.range_m + ahead * params.cell_m
-        counts, last = laid.cone.count_within, len(laid.cone.count_within) - 1
-        step = max(int(range_m / RANGE_STEP_M), 0)
+        step = max(0, round((ping.range_m + ahead * params.cell_m) / RANGE_STEP_M))
+        counts = laid.cone.count_within
         if ping.heard:
-            clear = counts[min(max(step - self._margin, 0), last)]
-            near = counts[min(max(step - self._band, 0), last)]
-            stop = counts[min(step + self._band, last)]
+            clear = counts[step - self._margin] if step >= self._margin else 0
+            near = counts[step - self._band] if step >= self._band else 0
+            stop = counts[step + self._band]
         else:
-            clear = near = stop = counts[min(step, last)]
-        weak = min(counts[min(int(step * params.weak_from_fraction), last)], clear)
+            clear = near = stop = counts[step]
+        weak = min(counts[int(step * params.weak_from_fraction)], clear)
         end = start + stop
         if end > len(self._cells):
             self._cells, self._steps = np.resize(self._cells, 2 * end), np.resize(self._steps, 2 * end)
@@ -143,46 +159,54 @@ class SonarEvidence:
     def _lit(self, values: Bytes, cuts: list[_Cut]) -> Bytes | None:
         """Return 1 for cells that nothing surely occupied on the cleared way hides, else 0; None: all are lit."""
         sure = values >= self._params.blocks_from
+        places = np.flatnonzero(sure)
+        firsts = np.searchsorted(places, [cut.start for cut in cuts])
+        pasts = np.searchsorted(
+            places, [cut.clear for cut in cuts]
+        )  # what is nearer to the arc may be the echo's source
         lit: Bytes | None = None
-        for cut in cuts:
-            blocking = sure[cut.start : cut.clear]  # what lies nearer to the arc may have made the echo itself
-            if not blocking.any():
-                continue
+        for which in np.flatnonzero(pasts > firsts).tolist():
+            cut = cuts[which]
             if lit is None:
                 lit = np.ones(len(values), np.uint8)
             sectors = cut.cone.sectors[: cut.stop - cut.start]
-            before = len(blocking)
-            shadow = np.bitwise_or.accumulate(np.where(blocking, sectors[:before], 0))
-            hidden = np.empty(len(sectors), np.uint8)
-            hidden[0] = 0
-            hidden[1:before] = shadow[:-1]
-            hidden[before:] = shadow[-1]
-            lit[cut.start : cut.stop] = (sectors & ~hidden) != 0
+            first = int(places[firsts[which]]) - cut.start
+            blocking = sure[cut.start + first : cut.clear]
+            shadow = np.bitwise_or.accumulate(sectors[first : first + len(blocking)] * blocking)
+            hidden = np.empty(len(sectors) - first - 1, np.uint8)  # of the cells beyond the first that blocks
+            hidden[: len(shadow) - 1] = shadow[:-1]
+            hidden[len(shadow) - 1 :] = shadow[-1]
+            lit[cut.start + first + 1 : cut.stop] = (sectors[first + 1 :] & ~hidden) != 0
         return lit
 
     def _raise(self, flat: Bytes, cells: Indices, cuts: list[_Cut], lit: Bytes | None) -> None:
-        arcs = []
-        for cut in cuts:
-            arc = cells[cut.near : cut.stop]
-            if lit is not None:
-                arc = arc[lit[cut.near : cut.stop].view(np.bool_)]
-            if len(arc):
-                arcs.append(arc)
+        arcs = [(cut.near, cut.stop) for cut in cuts if cut.near < cut.stop]
         if not arcs:
             return
-        raised = np.concatenate(arcs)
-        lengths = [len(arc) for arc in arcs]
-        starts = np.cumsum([0, *lengths[:-1]])
+        lengths = [stop - near for near, stop in arcs]
+        starts = list(accumulate(lengths[:-1], initial=0))
+        raised = np.concatenate([cells[near:stop] for near, stop in arcs])
         values = flat[raised]
         weights = self._weights[values]
-        most = np.maximum.reduceat(weights, starts)  # the likeliest cell of an arc gets the whole step
-        steps = np.rint(self._params.sonar_up * weights / np.repeat(most, lengths)).astype(np.int16)
-        flat[raised] = np.minimum(values + steps, 255)
+        if lit is not None:
+            weights *= np.concatenate([lit[near:stop] for near, stop in arcs])
+        most = np.maximum(np.maximum.reduceat(weights, starts), LEAST_WEIGHT)
+        weights *= np.repeat(self._params.sonar_up / most, lengths)  # the likeliest cell of an arc gets the whole step
+        np.rint(weights, out=weights)
+        weights += values
+        np.maximum.at(flat, raised, np.minimum(weights, 255.0).astype(np.uint8))
 
     def _lay(self, cone_rad: float, turn: int) -> _Laid:
         params = self._params
         template = cone(cone_rad, params.sonar_range_m + params.band_m + params.cell_m, params.cell_m, turn)
         heading_rad = turn * 2 * pi / HEADINGS
         laid = _Laid(template.rows * self._width + template.columns, template, cos(heading_rad), sin(heading_rad))
+        if self._laid_cells + len(laid.offsets) > CELLS_KEPT:
+            self._forget()
         self._laid[(cone_rad, turn)] = laid
+        self._laid_cells += len(laid.offsets)
         return laid
+
+    def _forget(self) -> None:
+        self._laid.clear()
+        self._laid_cells = 0
