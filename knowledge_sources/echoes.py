@@ -17,6 +17,8 @@ Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 Index = npt.NDArray[np.intp]
 
+ROUGH_M, ROUGH_RAD = 0.001, 0.001  # more than single precision errs
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Echoes:
@@ -32,6 +34,11 @@ class Echoes:
     def __len__(self) -> int:
         return len(self.range_m)
 
+    @property
+    def reach_rad(self) -> Array:
+        """How far off the axis the normal of a wall may be that sent the echo."""
+        return self.half_cone_rad + self.max_incidence_rad
+
     def take(self, index: Index | Mask) -> "Echoes":
         """Return the echoes of these indices, or those where a mask holds."""
         return Echoes(
@@ -42,6 +49,23 @@ class Echoes:
             self.half_cone_rad[index],
             self.max_incidence_rad[index],
         )
+
+    def join(self, other: "Echoes") -> "Echoes":
+        """Return these echoes and then the others."""
+        return Echoes(
+            np.concatenate([self.x_m, other.x_m]),
+            np.concatenate([self.y_m, other.y_m]),
+            np.concatenate([self.range_m, other.range_m]),
+            np.concatenate([self.bearing_rad, other.bearing_rad]),
+            np.concatenate([self.half_cone_rad, other.half_cone_rad]),
+            np.concatenate([self.max_incidence_rad, other.max_incidence_rad]),
+        )
+
+
+def no_echoes() -> Echoes:
+    """Return none."""
+    none = np.zeros(0)
+    return Echoes(none, none, none, none, none, none)
 
 
 def echoes_of(points: PointSet, max_incidence_rad: float, max_beam_incidence_rad: float) -> Echoes:
@@ -112,19 +136,37 @@ def on_wall(echoes: Echoes, alpha_rad: float) -> tuple[Array, Array]:
     return along, out
 
 
-def met(echoes: Echoes, alpha_rad: Array, rho_m: Array) -> tuple[Array, Array]:
-    """Return where the echoes met walls parallel to each of k lines: how far beyond the line, and where along it, both (k, n).
+def near_lines(echoes: Echoes, alpha_rad: Array, rho_m: Array, largest_m: float) -> tuple[Index, Index]:
+    """Return which echoes may have come from walls within `largest_m` of which of k lines: pairs (line, echo), by line.
 
-    Infinitely far beyond where a line's wall cannot have sent the echo.
+    A wall lies at its line, parallel to it; none answers beyond the echo's largest incidence.
     """
-    path = incidence(echoes, alpha_rad[:, None])
-    line, echo = np.nonzero(np.abs(path) <= echoes.max_incidence_rad)
-    path = path[line, echo]
-    x, y, range_m = echoes.x_m[echo], echoes.y_m[echo], echoes.range_m[echo]
-    cosine, sine = np.cos(alpha_rad)[line], np.sin(alpha_rad)[line]
-    beyond, along = np.full((len(alpha_rad), len(echoes)), np.inf), np.zeros((len(alpha_rad), len(echoes)))
-    beyond[line, echo] = x * cosine + y * sine + range_m * np.cos(path) - rho_m[line]
-    along[line, echo] = y * cosine - x * sine + range_m * np.sin(path)
+    alpha, single = alpha_rad[:, None].astype(np.float32), np.float32
+    # Roughly first, with single precision, since few of the k x n pairs are near; then exactly.
+    axis = echoes.bearing_rad.astype(single) - alpha
+    axis -= single(2.0 * pi) * np.rint(axis * single(0.5 / pi))
+    np.abs(axis, out=axis)
+    line, echo = np.nonzero(axis <= (echoes.reach_rad + ROUGH_RAD).astype(single))
+    path = np.maximum(axis[line, echo] - echoes.half_cone_rad.astype(single)[echo], single(0.0))
+    beyond = (echoes.x_m - echoes.x_m[0]).astype(single)[echo] * np.cos(alpha_rad).astype(single)[line]
+    beyond += (echoes.y_m - echoes.y_m[0]).astype(single)[echo] * np.sin(alpha_rad).astype(single)[line]
+    beyond += echoes.range_m.astype(single)[echo] * np.cos(path)
+    beyond -= (rho_m - echoes.x_m[0] * np.cos(alpha_rad) - echoes.y_m[0] * np.sin(alpha_rad)).astype(single)[line]
+    rough = np.abs(beyond) <= single(largest_m + ROUGH_M)
+    line, echo = line[rough], echo[rough]
+    heard = echoes.take(echo)
+    exact = (np.abs(met(heard, alpha_rad[line], rho_m[line])[0]) <= largest_m) & (
+        np.abs(wrap(heard.bearing_rad - alpha_rad[line])) <= heard.reach_rad
+    )
+    return line[exact], echo[exact]
+
+
+def met(echoes: Echoes, alpha_rad: Array, rho_m: Array) -> tuple[Array, Array]:
+    """Return for n echoes and n lines how far beyond its line each met a wall parallel to it, and where along it."""
+    path = incidence(echoes, alpha_rad)
+    cosine, sine = np.cos(alpha_rad), np.sin(alpha_rad)
+    beyond = echoes.x_m * cosine + echoes.y_m * sine + echoes.range_m * np.cos(path) - rho_m
+    along = echoes.y_m * cosine - echoes.x_m * sine + echoes.range_m * np.sin(path)
     return beyond, along
 
 

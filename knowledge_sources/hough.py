@@ -43,25 +43,30 @@ def accumulate(echoes: Echoes, space: HoughSpace) -> Votes:
     cells, step = space.alpha_cells, space.alpha_step_rad
     if len(echoes) == 0:
         return np.zeros((cells, space.rho_cells), dtype=np.intp)
-    limit = np.minimum(echoes.half_cone_rad + echoes.max_incidence_rad, pi / 2)
+    # Single precision is a ten-thousandth of a cell, and twice as fast.
+    single = np.float32
+    limit = np.minimum(echoes.reach_rad, pi / 2).astype(single)[:, None]
     widest = int(float(limit.max()) / step) + 1
     # The tables run over both ends of the circle, so that neighbours of 0 degrees need no wrapping: (cells + 2 * pad,).
     pad = widest + 1
     circle = np.arange(-pad, cells + pad + 1)
-    cosines, sines = np.cos(circle * step), np.sin(circle * step)
+    cosines, sines = np.cos(circle * step).astype(single), np.sin(circle * step).astype(single)
     nearest = np.rint(echoes.bearing_rad / step).astype(np.intp)
-    aside = np.arange(-widest, widest + 1) * step + (nearest * step - echoes.bearing_rad)[:, None]  # (n, offsets)
-    place = (nearest % cells + pad)[:, None] + np.arange(-widest, widest + 1)
-    path = np.maximum(np.abs(aside) - echoes.half_cone_rad[:, None], 0.0)
-    rho = (echoes.x_m - space.origin_x_m)[:, None] * cosines[place]
-    rho += (echoes.y_m - space.origin_y_m)[:, None] * sines[place]
-    rho += echoes.range_m[:, None] * np.cos(path)
+    offsets = np.arange(-widest, widest + 1)
+    aside = (offsets * step).astype(single) + (nearest * step - echoes.bearing_rad).astype(single)[
+        :, None
+    ]  # (n, offsets)
+    place = (nearest % cells + pad)[:, None] + offsets
+    rho = (echoes.x_m - space.origin_x_m).astype(single)[:, None] * cosines[place]
+    rho += (echoes.y_m - space.origin_y_m).astype(single)[:, None] * sines[place]
+    path = np.maximum(np.abs(aside) - echoes.half_cone_rad.astype(single)[:, None], single(0.0))
+    rho += echoes.range_m.astype(single)[:, None] * np.cos(path)
     # The half-open right angle gives each undirected line through a point one vote, not two at +90 and -90 degrees.
-    counted = (aside > -limit[:, None]) & (aside <= limit[:, None])
+    counted = (aside > -limit) & (aside <= limit)
     rho, alpha = rho[counted], circle[place[counted]]
     # A line between origin and sensor has a negative rho here: seen from the origin it faces the other way.
     alpha = np.where(rho < 0.0, alpha + cells // 2, alpha) % cells
-    bins = (np.abs(rho) / space.rho_step_m).astype(np.intp)
+    bins = (np.abs(rho) / single(space.rho_step_m)).astype(np.intp)
     inside = bins < space.rho_cells
     flat = (alpha * space.rho_cells + bins)[inside]
     return np.bincount(flat, minlength=cells * space.rho_cells).reshape(cells, space.rho_cells)

@@ -39,6 +39,7 @@ class LineFinderParams:
     min_places: int = 5  # two things always lie on a line, and three or four may by chance
     contradiction_margin_m: float = 0.06  # five deviations of a sonar's noise
     max_contradicted_fraction: float = 0.03  # of the support: cross-talk and what moves
+    leftovers: int = 4000  # echoes of cones that no line claimed and that wait to be searched together; 0: none
     passes: int = 1  # another seeks in what the first left: a few lines more for twice the time
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ from math import atan, cos, pi, sin, sqrt
 
 import numpy as np
 
-from knowledge_sources.echoes import Array, Echoes, on_wall
+from knowledge_sources.echoes import Array, Echoes, Index, on_wall
 
 SPREAD_FLOOR_M = 0.004  # finer than any sonar and most lasers: keeps weights finite on perfect data
 
@@ -53,20 +53,20 @@ def refit(echoes: Echoes, alpha_rad: float, rho_m: float, rounds: int) -> tuple[
     return Fit(alpha_rad, rho_m, spread, tilt), along, out
 
 
-def refit_all(beyond_m: Array, along_m: Array, alpha_rad: Array, rho_m: Array, width_m: float) -> tuple[Array, Array]:
-    """Return k lines after one Gauss-Newton step each, from where n echoes met their walls (k, n).
+def refit_all(
+    line: Index, beyond_m: Array, along_m: Array, alpha_rad: Array, rho_m: Array, width_m: float
+) -> tuple[Array, Array]:
+    """Return k lines after one Gauss-Newton step each, from pairs (n,) of a line and where an echo met its wall.
 
     Cauchy weights of half this width; none for what lies further off than the width.
     """
-    near = np.abs(beyond_m) <= width_m
-    beyond = np.where(near, beyond_m, 0.0)
-    weight = near / (1.0 + (beyond / (width_m / 2.0)) ** 2)
-    total = np.maximum(weight.sum(axis=1), 1e-9)
-    centre, mean = (weight * along_m).sum(axis=1) / total, (weight * beyond).sum(axis=1) / total
-    lever = along_m - centre[:, None]
-    weighted = weight * lever
-    moment = np.maximum((weighted * lever).sum(axis=1), 1e-6)
-    turn = -np.arctan((weighted * (beyond - mean[:, None])).sum(axis=1) / moment)
+    k = len(alpha_rad)
+    weight = np.where(np.abs(beyond_m) <= width_m, 1.0 / (1.0 + (beyond_m / (width_m / 2.0)) ** 2), 0.0)
+    total = np.maximum(np.bincount(line, weight, k), 1e-9)
+    centre, mean = np.bincount(line, weight * along_m, k) / total, np.bincount(line, weight * beyond_m, k) / total
+    lever = along_m - centre[line]
+    moment = np.maximum(np.bincount(line, weight * lever * lever, k), 1e-6)
+    turn = -np.arctan(np.bincount(line, weight * lever * (beyond_m - mean[line]), k) / moment)
     # As in `refit`: the line turns about its points' mean.
     return alpha_rad + turn, (rho_m + mean) * np.cos(turn) + centre * np.sin(turn)
 

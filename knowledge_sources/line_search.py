@@ -12,7 +12,17 @@ import numpy as np
 
 from blackboard.messages.geometry import Point, wrap_angle
 from blackboard.messages.world import Line, PointSet
-from knowledge_sources.echoes import Array, Echoes, Index, echoes_of, expected_ranges, met, on_wall, points_on_axis
+from knowledge_sources.echoes import (
+    Array,
+    Echoes,
+    Index,
+    echoes_of,
+    expected_ranges,
+    met,
+    near_lines,
+    on_wall,
+    points_on_axis,
+)
 from knowledge_sources.hough import HoughSpace, accumulate, cell_lines, chance_threshold, heaviest_nearby, heavy_cells
 from knowledge_sources.line_clusters import cluster_lines, mean_line
 from knowledge_sources.line_evidence import independent_places, stretches
@@ -22,7 +32,7 @@ from knowledge_sources.line_points import group, order, split_at_breaks
 
 PEAK_ALPHA_CELLS, PEAK_RHO_CELLS = 3, 1  # a wall's own votes outside its cell reach about so far
 SURE_SHARE = 0.5  # up to this share of the largest incidence every wall answers, smooth or rough
-SAME_LINE = 0.8  # of its echoes belong to a line already, so this is that line once more
+SAME_LINE = 0.5  # of its echoes belong to a better supported line: that line once more, or a cut across it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,15 +48,23 @@ class Piece:
 
 
 def find_lines(points: PointSet, largest_gap_m: float, params: LineFinderParams) -> list[Line]:
-    """Return the lines of a batch, best supported cluster first; lines break where points are `largest_gap_m` apart."""
-    if points.points.shape[0] == 0:
-        return []
+    """Return the lines of a batch, best supported first; lines break where points are `largest_gap_m` apart."""
+    return [as_line(piece) for piece in find_pieces(as_echoes(points, params), largest_gap_m, params)]
+
+
+def as_echoes(points: PointSet, params: LineFinderParams) -> Echoes:
+    """Return a batch's readings as the method takes them."""
     if params.method == "axis":
-        pieces = lines_of_points(points_on_axis(points), largest_gap_m, params)
-    else:
-        echoes = echoes_of(points, params.max_incidence_rad, params.max_beam_incidence_rad)
-        pieces = lines_of_echoes(echoes, largest_gap_m, params)
-    return [as_line(piece) for piece in pieces]
+        return points_on_axis(points)
+    return echoes_of(points, params.max_incidence_rad, params.max_beam_incidence_rad)
+
+
+def find_pieces(echoes: Echoes, largest_gap_m: float, params: LineFinderParams) -> list[Piece]:
+    """Return the pieces of lines among readings."""
+    if len(echoes) == 0:
+        return []
+    search = lines_of_points if params.method == "axis" else lines_of_echoes
+    return search(echoes, largest_gap_m, params)
 
 
 def lines_of_points(points: Echoes, largest_gap_m: float, params: LineFinderParams) -> list[Piece]:
@@ -73,9 +91,8 @@ def lines_of_echoes(echoes: Echoes, largest_gap_m: float, params: LineFinderPara
     for _ in range(params.passes):
         rest = echoes.take(free)
         taken = np.zeros(len(free), dtype=bool)
-        alpha, rho, beyond = sharp_lines(rest, *clustered_lines(rest, params), params)
-        for a, r, distance in zip(alpha.tolist(), rho.tolist(), beyond, strict=True):
-            near = group(np.where(taken, np.inf, distance), params.fit_distance_m)
+        for a, r, members in sharp_lines(rest, *clustered_lines(rest, params), params):
+            near = members[~taken[members]]
             if len(near) < params.min_support:
                 continue
             along, _ = on_wall(rest.take(near), a)
@@ -90,27 +107,32 @@ def lines_of_echoes(echoes: Echoes, largest_gap_m: float, params: LineFinderPara
     return found
 
 
-def sharp_lines(echoes: Echoes, alpha_rad: Array, rho_m: Array, params: LineFinderParams) -> tuple[Array, Array, Array]:
-    """Return the lines (k,) as walls seen from one side, drawn to their echoes, and how far beyond each the echoes lie (k, n).
+def sharp_lines(
+    echoes: Echoes, alpha_rad: Array, rho_m: Array, params: LineFinderParams
+) -> list[tuple[float, float, Index]]:
+    """Return the lines as walls seen from one side, drawn to their echoes, each with these; best supported first.
 
     A wall faces its sensors, so each line is tried from both sides. Lines that come to the same echoes are one.
     """
     alpha, rho = np.concatenate([alpha_rad, alpha_rad + pi]), np.concatenate([rho_m, -rho_m])
+    line, echo = near_lines(echoes, alpha, rho, params.line_distance_m)
+    heard = echoes.take(echo)
     for width_m in (params.line_distance_m, params.fit_distance_m, params.fit_distance_m):
-        beyond, along = met(echoes, alpha, rho)
-        supported = np.count_nonzero(np.abs(beyond) <= width_m, axis=1) >= params.min_support
-        alpha, rho = refit_all(beyond[supported], along[supported], alpha[supported], rho[supported], width_m)
-    beyond, along = met(echoes, alpha, rho)
-    members = np.abs(beyond) <= params.fit_distance_m
-    size = members.sum(axis=1)
+        beyond, along = met(heard, alpha[line], rho[line])
+        alpha, rho = refit_all(line, beyond, along, alpha, rho, width_m)
+    # A line that has turned is near to others than it began with.
+    line, echo = near_lines(echoes, alpha, rho, params.fit_distance_m)
+    members = np.split(echo, np.searchsorted(line, np.arange(1, len(alpha))))
+    sizes = np.array([len(own) for own in members])
     chosen: list[int] = []
-    for k in np.argsort(-size, kind="stable").tolist():
-        if size[k] < params.min_support:
+    owned = np.zeros((len(alpha), len(echoes)), dtype=bool)
+    for k in np.argsort(-sizes, kind="stable").tolist():
+        if sizes[k] < params.min_support:
             break
-        shared = np.count_nonzero(members[chosen] & members[k], axis=1)
-        if (shared <= SAME_LINE * size[k]).all():
+        if (np.count_nonzero(owned[: len(chosen), members[k]], axis=1) <= SAME_LINE * sizes[k]).all():
+            owned[len(chosen), members[k]] = True
             chosen.append(k)
-    return alpha[chosen], rho[chosen], beyond[chosen]
+    return [(float(alpha[k]), float(rho[k]), members[k]) for k in chosen]
 
 
 def clustered_lines(echoes: Echoes, params: LineFinderParams) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from knowledge_sources.echoes import Echoes, expected_ranges, in_order, incidence, met, on_wall, wrap
+from knowledge_sources.echoes import Echoes, expected_ranges, in_order, incidence, met, near_lines, on_wall, wrap
 
 
 def echo(range_m: float, bearing_deg: float, half_cone_deg: float, x_m: float = 0.0, y_m: float = 0.0) -> Echoes:
@@ -35,10 +35,16 @@ def test_a_beam_ends_where_its_point_is() -> None:
     assert (along[0], out[0]) == pytest.approx((-1.0, 1.0))
 
 
-def test_walls_too_aslant_cannot_have_answered() -> None:
-    beyond, _ = met(echo(2.0, 0.0, 6.0), np.radians([0.0, 35.0, 37.0, 180.0]), np.array([1.9, 0.0, 0.0, 0.0]))
-    assert beyond[0, 0] == pytest.approx(0.1)
-    assert np.isfinite(beyond[:, 0]).tolist() == [True, True, False, False]
+def test_walls_too_aslant_or_too_far_cannot_have_answered() -> None:
+    heard = echo(2.0, 0.0, 6.0)
+    alpha = np.radians([0.0, 0.0, 35.0, 37.0, 180.0])
+    # At 35 degrees the edge of the cone, 29 degrees off the normal, met the wall.
+    rho = np.array([1.95, 1.89, 2.0 * cos(radians(29.0)), 2.0 * cos(radians(31.0)), 2.0])
+    line, which = near_lines(heard, alpha, rho, 0.1)
+    assert line.tolist() == [0, 2]
+    assert which.tolist() == [0, 0]
+    beyond, along = met(heard, alpha[:1], rho[:1])
+    assert (beyond[0], along[0]) == pytest.approx((0.05, 0.0))
 
 
 def expected(heard: Echoes, start_m: float, end_m: float) -> float:
@@ -89,3 +95,18 @@ def test_wrapping_keeps_the_direction(angle: float) -> None:
     wrapped = float(wrap(np.array([angle]))[0])
     assert abs(wrapped) <= pi + 1e-12
     assert cos(wrapped) == pytest.approx(cos(angle), abs=1e-9)
+
+
+@given(st.lists(st.tuples(ANGLES, st.floats(-3.0, 3.0)), min_size=1, max_size=20))
+def test_near_is_near_however_it_is_found(lines: list[tuple[float, float]]) -> None:
+    rng = np.random.default_rng(4)
+    here, there = rng.uniform(40.0, 42.0, (30, 2)), rng.uniform(38.0, 44.0, (30, 2))
+    heard = in_order(here, there, np.tile([0.0, 0.1], 15), radians(60.0), radians(80.0))
+    alpha = np.array([a for a, _ in lines])
+    rho = 41.0 * (np.cos(alpha) + np.sin(alpha)) + np.array([r for _, r in lines])
+    found = list(zip(*(index.tolist() for index in near_lines(heard, alpha, rho, 0.2)), strict=True))
+    for k in range(len(alpha)):
+        beyond, _ = met(heard, np.full(30, alpha[k]), np.full(30, rho[k]))
+        facing = np.abs(wrap(heard.bearing_rad - alpha[k])) <= heard.reach_rad
+        near = np.flatnonzero((np.abs(beyond) <= 0.2) & facing).tolist()
+        assert [n for line, n in found if line == k] == near

@@ -71,6 +71,27 @@ def test_lines_of_old_batches_are_taken_back() -> None:
     assert batches == {str(newest.revision - 1), str(newest.revision)}
 
 
+def test_a_wall_heard_rarely_is_found_when_its_echoes_have_come_together() -> None:
+    board, access, finder = bench(LineFinderParams(leftovers=48))
+    rng = np.random.default_rng(3)
+    places = rng.uniform(-1.0, 1.0, 48)
+    for number in range(6):  # eight echoes of y = 2 a batch: too few for a line
+        here = np.stack([places[number::6], np.zeros(8)], axis=1).astype(np.float32)
+        there = here + np.array([0.0, 2.0], dtype=np.float32)
+        cones = np.full(8, radians(6.0), dtype=np.float32)
+        points = PointSet(points=pack_array(there), sensed_from=pack_array(here), half_cone_rad=pack_array(cones))
+        board.now_s = float(number)
+        entry = board.post(SUPPORTED_POINTS, points, source="filter_raw")
+        finder.activate(entry, access)
+        if number == 1:
+            assert board.entries(LINE) == []
+    lines = board.entries(LINE)
+    assert {round(line.value.rho_m, 3) for line in lines} == {2.0}
+    support = lines[-1].supports[0]
+    assert support.key == entry.key
+    assert support.last - support.first >= 2
+
+
 def test_without_the_robot_s_description_it_says_so() -> None:
     board, access, finder = bench(robot=False)
     points = board.post(SUPPORTED_POINTS, two_walls(), source="filter_raw")

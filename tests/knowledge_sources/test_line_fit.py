@@ -56,10 +56,12 @@ def test_one_point_says_nothing_of_the_direction() -> None:
 
 def test_all_at_once_come_to_the_same_lines() -> None:
     heard = cones_along_a_wall()
+    line = np.repeat([0, 1], len(heard))
+    twice = heard.join(heard)
     alpha, rho = ALPHA + np.radians([3.0, -2.0]), RHO + np.array([-0.03, 0.04])
     for _ in range(8):
-        beyond, along = met(heard, alpha, rho)
-        alpha, rho = refit_all(beyond, along, alpha, rho, 0.3)
+        beyond, along = met(twice, alpha[line], rho[line])
+        alpha, rho = refit_all(line, beyond, along, alpha, rho, 0.3)
     assert alpha == pytest.approx([ALPHA, ALPHA], abs=1e-4)
     assert rho == pytest.approx([RHO, RHO], abs=1e-4)
 
