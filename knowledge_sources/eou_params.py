@@ -16,7 +16,7 @@ class EouGridParams:
 
     cell_m: float = 0.05  # the thesis's second choice: as good for the task as 1 cm, and faster
     post_interval_s: float = 1.0  # changed tiles go to the board this often
-    # further off, cones leak behind walls at a slant that do not answer: with 5 m the cells decided wrongly are 3 to 5 times as
+    # further off, cones leak behind walls at a slant that do not answer: with 5 m the cells decided wrongly are 3 to 7 times as
     # many in the shipped worlds; beyond it an echo only clears the way up to here
     sonar_range_m: float = 3.0
     no_echo_clears_m: float = 0.0  # silence may be a smooth wall at a slant, so by default it clears nothing
