@@ -8,8 +8,6 @@ Source: Bou-Ghannam 1992, section 5.2.3, steps 1 to 8; its functions and what go
 """
 
 from collections import deque
-from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +16,7 @@ from blackboard.component import KnowledgeSource
 from blackboard.entry import Entry, Support
 from blackboard.errors import BoardError
 from blackboard.kinds import LINE, ROBOT, SUPPORTED_POINTS
-from blackboard.messages.world import Line
+from blackboard.messages.world import Line, PointSet
 from knowledge_sources.leftover_echoes import Leftovers
 from knowledge_sources.line_finder_params import LineFinderParams
 from knowledge_sources.line_search import as_echoes, as_line, find_pieces
@@ -37,35 +35,44 @@ class LineFinder(KnowledgeSource[LineFinderParams]):
         super().__init__(params, name=name, seed=seed)
         self._batches: deque[list[str]] = deque()  # ids of the lines that stand
         self._leftovers = Leftovers()
+        self._last: Entry[PointSet] | None = None
 
-    def activate(self, trigger: Entry[Any], board: Access) -> None:
-        robot = board.newest(ROBOT)
-        if robot is None:
-            raise BoardError(f"{self.name} needs the robot's radius, and '{ROBOT.path}' does not stand; post it first")
-        ids: list[str] = []
-        for line, first, last in self._find(trigger, 2.0 * robot.value.radius_m):
-            ids.append(f"{trigger.revision}-{len(ids)}")
-            support = Support(trigger.key, first, last)
-            board.post(LINE, line, id=ids[-1], supports=[support], stamp_s=trigger.stamp_s)
-        self._batches.append(ids)
+    def activate(self, trigger: Entry[PointSet], board: Access) -> None:
+        self._last = trigger
+        self._batches.append([])
+        echoes = as_echoes(trigger.value, self.params)
+        pieces = find_pieces(echoes, self._largest_gap_m(board), self.params)
+        left = echoes.half_cone_rad > 0.0  # a beam says where it ended: more of them tell no more of it
+        for piece in pieces:
+            left[piece.members] = False
+            self._post(board, trigger, as_line(piece), trigger.as_support())
+        self._leftovers = self._leftovers.with_more(echoes.take(left), trigger.revision, self.params.leftovers)
+        if 2 * self._leftovers.new >= self.params.leftovers:
+            self._search_leftovers(board, trigger)
         while len(self._batches) > self.params.keep_batches:
             for id_ in self._batches.popleft():
                 board.retract(LINE, id_)
 
-    def _find(self, trigger: Entry[Any], largest_gap_m: float) -> Iterator[tuple[Line, int, int]]:
-        """Give the lines of a batch, then of what waits if it is time, each with the first and last batch of its points."""
-        params = self.params
-        echoes = as_echoes(trigger.value, params)
-        left = echoes.half_cone_rad > 0.0
-        for piece in find_pieces(echoes, largest_gap_m, params):
-            left[piece.members] = False
-            yield as_line(piece), trigger.revision, trigger.revision
-        self._leftovers = self._leftovers.with_more(echoes.take(left), trigger.revision, params.leftovers)
-        if 2 * self._leftovers.new < params.leftovers or not len(self._leftovers.echoes):
-            return
-        pieces = find_pieces(self._leftovers.echoes, largest_gap_m, params)
+    def finish(self, board: Access) -> None:
+        if self._last is not None:
+            self._search_leftovers(board, self._last)
+
+    def _search_leftovers(self, board: Access, trigger: Entry[PointSet]) -> None:
+        pieces = find_pieces(self._leftovers.echoes, self._largest_gap_m(board), self.params)
         for piece in pieces:
             batches = self._leftovers.batches[piece.members]
-            yield as_line(piece), int(batches.min()), int(batches.max())
+            support = Support(trigger.key, int(batches.min()), int(batches.max()))
+            self._post(board, trigger, as_line(piece), support)
         claimed = np.concatenate([np.zeros(0, dtype=np.intp), *(piece.members for piece in pieces)])
         self._leftovers = self._leftovers.after_search(claimed)
+
+    def _post(self, board: Access, trigger: Entry[PointSet], line: Line, support: Support) -> None:
+        ids = self._batches[-1]
+        ids.append(f"{trigger.revision}-{len(ids)}")
+        board.post(LINE, line, id=ids[-1], supports=[support], stamp_s=trigger.stamp_s)
+
+    def _largest_gap_m(self, board: Access) -> float:
+        robot = board.newest(ROBOT)
+        if robot is None:
+            raise BoardError(f"{self.name} needs the robot's radius, and '{ROBOT.path}' does not stand; post it first")
+        return 2.0 * robot.value.radius_m

@@ -92,6 +92,25 @@ def test_a_wall_heard_rarely_is_found_when_its_echoes_have_come_together() -> No
     assert support.last - support.first >= 2
 
 
+def test_what_waits_is_searched_at_the_end() -> None:
+    board, access, finder = bench(LineFinderParams(min_support=60, leftovers=4000))
+    walls = two_walls()
+    cones = pack_array(np.full(walls.points.shape[0], 0.01, dtype=np.float32))
+    points = PointSet(points=walls.points, sensed_from=walls.sensed_from, half_cone_rad=cones)
+    for second in range(2):
+        board.now_s = float(second)
+        finder.activate(board.post(SUPPORTED_POINTS, points, source="filter_raw"), access)
+    before = len(board.entries(LINE))
+    finder.finish(access)
+    assert len(board.entries(LINE)) > before
+
+
+def test_nothing_came_nothing_is_searched() -> None:
+    board, access, finder = bench()
+    finder.finish(access)
+    assert board.entries(LINE) == []
+
+
 def test_without_the_robot_s_description_it_says_so() -> None:
     board, access, finder = bench(robot=False)
     points = board.post(SUPPORTED_POINTS, two_walls(), source="filter_raw")
