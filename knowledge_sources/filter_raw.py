@@ -8,7 +8,7 @@ Posts         observations/feature/supported_points    PointSet: a batch, as soo
 """
 
 from dataclasses import dataclass
-from math import cos, hypot, inf, sin
+from math import hypot, inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,14 +79,16 @@ def laser_points(
 ) -> list[RawPoint]:
     """Return the ends of a sweep's beams as points, thinned: one within `laser_step_m` of the last one kept is left out."""
     at = map_from_robot @ laser_of(robot, scan.laser).mount
+    ranges = np.array([r or 0.0 for r in scan.ranges_m])
+    beams = np.flatnonzero((ranges > 0.0) & (ranges <= params.max_range_m))
+    angles = at.heading_rad + scan.angle_min_rad + scan.angle_step_rad * beams
+    xs, ys = at.x_m + ranges[beams] * np.cos(angles), at.y_m + ranges[beams] * np.sin(angles)
     points: list[RawPoint] = []
-    for i, range_m in enumerate(scan.ranges_m):
-        if range_m is None or not 0.0 < range_m <= params.max_range_m:
-            continue
-        angle = at.heading_rad + scan.angle_min_rad + i * scan.angle_step_rad
-        x, y = at.x_m + range_m * cos(angle), at.y_m + range_m * sin(angle)
-        if not points or hypot(x - points[-1].x_m, y - points[-1].y_m) >= params.laser_step_m:
+    last_x, last_y = inf, inf
+    for x, y in zip(xs.tolist(), ys.tolist(), strict=True):
+        if hypot(x - last_x, y - last_y) >= params.laser_step_m:
             points.append(RawPoint(x, y, at.x_m, at.y_m, 0.0))
+            last_x, last_y = x, y
     return points
 
 
