@@ -4,7 +4,9 @@ Triggered by  observations/feature/supported_points  PointSet
 Reads         status/robot                           RobotDescription, for its diameter
 Posts         observations/feature/line/<batch>-<n>  Line, <batch> being the revision of the points
 
-Source: Bou-Ghannam 1992, section 5.2.3, steps 1 to 8; its functions and what goes beyond them are in `line_search`.
+Echoes of sonars that no line claimed wait, and are searched together when there are enough of them: a line's supports name the
+stretch of batches that its echoes came in. Source: Bou-Ghannam 1992, section 5.2.3, steps 1 to 8; its functions and what goes
+beyond them are in `line_search`.
 """
 
 from collections import deque

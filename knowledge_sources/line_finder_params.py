@@ -9,10 +9,10 @@ from blackboard.parameters import require
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LineFinderParams:
-    """How lines are sought, and what a line must show for itself. The last block is for method "tangent" only."""
+    """How lines are sought, and what a line must show for itself. What follows the empty line is for method "tangent" only."""
 
     method: Literal["tangent", "axis"] = "tangent"
-    keep_batches: int = 400  # an hour of twelve sonars at 5 Hz; some 4,000 lines of about 1 kB
+    keep_batches: int = 1000  # four hours of twelve sonars at 5 Hz; some 6,000 lines of about 1 kB
     alpha_step_rad: float = radians(1.0)  # the thesis's
     rho_step_m: float = 0.05  # the thesis's
     reach_m: float = 10.0  # largest rho: a sonar's reach (the thesis's lab: 5 m)
@@ -23,12 +23,10 @@ class LineFinderParams:
     min_support: int = 10  # each of five places twice
     min_length_m: float = 0.25
 
-    max_incidence_rad: float = radians(
-        60.0
-    )  # smooth walls answer sonars to some 30 degrees off the normal, rough ones to this
+    max_incidence_rad: float = radians(60.0)  # so far off its normal a rough wall answers a sonar (a smooth one to 30)
     max_beam_incidence_rad: float = radians(80.0)  # further off a laser's spot is smeared over too much of the wall
     cluster_resolution_m: float = (
-        0.3  # lines this far apart (at 2.9 m, where one step of alpha is one of rho) stay apart
+        0.3  # lines this far apart, 2.9 m out where the steps of alpha and rho are equal, stay apart
     )
     fit_distance_m: float = 0.05  # three to five deviations of a sonar's noise
     max_spread_m: float = 0.02  # twice a sonar's noise: echoes that spread more are of no flat wall
@@ -39,7 +37,9 @@ class LineFinderParams:
     min_places: int = 5  # two things always lie on a line, and three or four may by chance
     contradiction_margin_m: float = 0.06  # five deviations of a sonar's noise
     max_contradicted_fraction: float = 0.03  # of the support: cross-talk and what moves
-    leftovers: int = 4000  # echoes of cones that no line claimed and that wait to be searched together; 0: none
+    leftovers: int = (
+        4000  # echoes of cones that no line claimed, searched together each time that half are new; 0: none
+    )
     passes: int = 1  # another seeks in what the first left: a few lines more for twice the time
 
     def __post_init__(self) -> None:
