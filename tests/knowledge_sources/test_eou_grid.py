@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from blackboard.board import Board
 from blackboard.control import Control
@@ -18,7 +20,7 @@ from blackboard.mission import find_mission, load_mission
 from blackboard.report.scores import grid_score
 from blackboard.runner import Run, RunOptions
 from blackboard.vocabulary import Vocabulary
-from knowledge_sources.eou_grid import EouGrid
+from knowledge_sources.eou_grid import EouGrid, EvidenceGrid
 from knowledge_sources.eou_params import EouGridParams
 
 FRONT = SonarSensor(mount=IDENTITY, cone_rad=radians(12.0), max_range_m=10.0)
@@ -123,6 +125,30 @@ def test_a_tile_names_the_stretch_of_scans_and_poses_in_it() -> None:
     assert supports == {"sonar_scan": (1, 5), "odom_from_robot": (1, 5), "map_from_odom": (1, 1)}
 
 
+def test_a_tile_names_all_that_ever_went_into_it() -> None:
+    setting = Setting(EouGridParams(post_interval_s=0.0))
+    setting.at(0.0)
+    setting.sonar(1.0)
+    setting.at(0.1)
+    setting.laser([1.0] * 11, 0.0, pi / 180)
+    tile = setting.board.newest(GRID, "0_0")
+    assert tile is not None
+    supports = {s.key.rsplit("/", 1)[1]: (s.first, s.last) for s in tile.supports}
+    assert supports == {"sonar_scan": (1, 1), "laser_scan": (1, 1), "odom_from_robot": (1, 2), "map_from_odom": (1, 1)}
+
+
+def test_a_tile_bears_the_stamp_of_its_newest_scan() -> None:
+    setting = Setting(EouGridParams(post_interval_s=0.0))
+    setting.at(1.0)
+    setting.board.now_s = 1.4
+    scan = SonarScan(sensors=(0,), ranges_m=(1.0,))
+    setting.board.post(SONAR_SCAN, scan, source="robot", stamp_s=1.0)  # it took 0.4 s to come
+    setting.control.run_cycle()
+    tile = setting.board.newest(GRID, "0_0")
+    assert tile is not None
+    assert tile.stamp_s == 1.0
+
+
 def test_a_laser_sweep_empties_its_fan_and_marks_its_ends() -> None:
     setting = Setting(EouGridParams(post_interval_s=0.0))
     setting.at(0.0, x_m=0.02, y_m=0.02)
@@ -177,17 +203,81 @@ def test_someone_who_walked_by_fades() -> None:
 def test_a_sensor_that_the_robot_does_not_have_is_named() -> None:
     setting = Setting()
     setting.at(0.0)
-    with pytest.raises(ComponentFailed, match="sonar"):
+    with pytest.raises(ComponentFailed, match="sonar number 7, the description of robot 'both' has numbers 0 to 0"):
         setting.sonar(1.0, number=7)
+    scan = LaserScan(laser=2, angle_min_rad=0.0, angle_step_rad=0.1, ranges_m=(1.0,))
+    setting = Setting()
+    setting.at(0.0)
+    setting.board.post(LASER_SCAN, scan, source="robot")
+    with pytest.raises(ComponentFailed, match="laser number 2, the description of robot 'both' has numbers 0 to 0"):
+        setting.control.run_cycle()
+
+
+PLACES = st.floats(-12.0, 12.0)
+SCANS = st.lists(st.tuples(PLACES, PLACES, st.floats(-pi, pi), st.floats(0.0, 6.0)), min_size=1, max_size=8)
+
+
+@given(SCANS, st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
+def test_a_grid_that_grows_is_one_that_was_large_from_the_start(
+    scans: list[tuple[float, float, float, float]], mount_x_m: float, mount_y_m: float
+) -> None:
+    # Sensors may also stand far outside of the body.
+    mount = Pose(x_m=mount_x_m, y_m=mount_y_m, heading_rad=0.3)
+    robot = RobotDescription(
+        name="mast",
+        radius_m=0.3,
+        max_speed_mps=0.5,
+        max_turn_radps=1.0,
+        max_acceleration_mps2=0.5,
+        sonars=(SonarSensor(mount=mount, cone_rad=radians(25.0), max_range_m=10.0),),
+        lasers=(LaserSensor(mount=mount, max_range_m=30.0),),
+    )
+    grows, large = EvidenceGrid(EouGridParams()), EvidenceGrid(EouGridParams())
+    large.grid.cover(-40.0, -40.0, 40.0, 40.0)
+    for x_m, y_m, heading_rad, range_m in scans:
+        pose = Pose(x_m=x_m, y_m=y_m, heading_rad=heading_rad)
+        for grid in (grows, large):
+            grid.fold(SonarScan(sensors=(0,), ranges_m=(range_m,)), robot, pose)
+            grid.fold(LaserScan(angle_min_rad=-0.1, angle_step_rad=0.01, ranges_m=(range_m,) * 20), robot, pose)
+    one, other = grows.grid.known_part(), large.grid.known_part()
+    if one is None or other is None:
+        assert one is other
+        return
+    assert (one.x_min_m, one.y_min_m) == pytest.approx((other.x_min_m, other.y_min_m))
+    assert np.array_equal(one.cells, other.cells)
+
+
+def test_a_pose_that_lies_far_off_is_an_error_and_no_memory() -> None:
+    setting = Setting(EouGridParams(post_interval_s=0.0))
+    setting.at(0.0)
+    setting.sonar(1.0)
+    setting.at(0.1, x_m=9e5)
+    with pytest.raises(ComponentFailed, match="a pose or a tile lies far off"):
+        setting.sonar(1.0)
 
 
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("cell_m", 0.0), ("sonar_range_m", -1.0), ("sonar_up", 0), ("sonar_down", 200), ("share", -1.0), ("band_m", 0.0)],
+    [
+        ("sonar_range_m", 50.1),
+        ("laser_range_m", 0.1),
+        ("cell_m", 0.0),
+        ("sonar_range_m", -1.0),
+        ("sonar_up", 0),
+        ("sonar_down", 200),
+        ("share", -1.0),
+        ("band_m", 0.0),
+    ],
 )
 def test_parameters_have_limits(key: str, value: Any) -> None:
     with pytest.raises(MissionError, match=key):
         EouGridParams(**{key: value})
+
+
+def test_a_range_of_too_many_cells_is_refused() -> None:
+    with pytest.raises(MissionError, match=r"laser_range_m = 10.1 is outside 10 metres, 1000 cells of cell_m = 0.01"):
+        EouGridParams(cell_m=0.01, laser_range_m=10.1)
+    EouGridParams(cell_m=0.01, laser_range_m=10.0)
 
 
 def test_a_minute_in_the_lab() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from blackboard.board import Board
 from blackboard.control import Control
-from blackboard.errors import MissionError
+from blackboard.errors import ComponentFailed, MissionError
 from blackboard.grid import EMPTY_MAX, UNKNOWN
 from blackboard.kinds import GRID, LASER_SCAN, MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT, SONAR_SCAN, SUPPORTED_POINTS
 from blackboard.messages.geometry import IDENTITY, Pose, pack_array
@@ -35,7 +35,8 @@ class Setting:
 
     def __init__(self, params: FilterRawParams) -> None:
         self.board = Board(Vocabulary())
-        self.control = Control(self.board, [FilterRaw(params, name="filter")], strict=True)
+        self.source = FilterRaw(params, name="filter")
+        self.control = Control(self.board, [self.source], strict=True)
         self.board.post(ROBOT, RING, source="robot")
         self.board.post(MAP_FROM_ODOM, IDENTITY, source="odometry")
         self.batches: list[PointSet] = []
@@ -129,10 +130,93 @@ def test_standing_still_brings_nothing_new() -> None:
     assert len(setting.batches) == 2
 
 
-def test_no_echo_and_far_echoes_are_no_points() -> None:
+def test_sonars_that_fire_in_turn_all_count() -> None:
+    # Each comes in a scan of its own, and the second never after a move since the first.
+    setting = Setting(FilterRawParams(batch_points=20))
+    for i in range(10):
+        setting.move(0.1 * i)
+        for number, range_m in ((0, 1.0), (1, 2.0)):
+            scan = SonarScan(sensors=(number,), ranges_m=(range_m,))
+            setting.board.post(SONAR_SCAN, scan, source="robot", stamp_s=setting.board.now_s)
+            setting.control.run_cycle()
+    assert [len(points(batch)) for batch in setting.batches] == [20]
+    assert (points(setting.batches[0])[:, 0] < 0).sum() == 10
+
+
+def test_a_laser_takes_nothing_from_the_sonars() -> None:
+    setting = Setting(FilterRawParams(batch_points=20))
+    for i in range(10):
+        setting.move(0.1 * i)
+        scan = LaserScan(angle_min_rad=pi / 2, angle_step_rad=0.0, ranges_m=(3.0,))
+        setting.board.post(LASER_SCAN, scan, source="robot", stamp_s=setting.board.now_s)
+        setting.sonar(1.0)
+    assert len(setting.batches) == 1
+    half_cones = np.asarray(setting.batches[0].half_cone_rad.unpack())
+    assert [(half_cones == 0.0).sum(), (half_cones > 0.0).sum()] == [10, 10]
+
+
+def test_no_echo_and_far_echoes_are_no_points_and_none_at_the_sensor() -> None:
     setting = Setting(FilterRawParams(batch_points=10, max_range_m=4.0))
     setting.drive(20, None, 4.1)
+    setting.drive(20, 0.0, 4.1)
+    setting.control.finish()
     assert setting.batches == []
+
+
+def test_what_is_never_borne_out_is_not_heaped_up() -> None:
+    setting = Setting(FilterRawParams(batch_points=10, least_points=1))
+    for column in range(-3, 4):
+        setting.tile(0, column=column)
+        setting.tile(0, column=column, row=-1)
+    for i in range(200):
+        setting.move(0.05 * (i % 40))
+        setting.sonar(1.0, 2.0)
+        assert len(setting.source._points) < 10
+    setting.control.finish()
+    assert setting.batches == []
+
+
+def test_a_scan_without_a_pose_is_passed_over() -> None:
+    setting = Setting(FilterRawParams(batch_points=10, least_points=1))
+    for _ in range(20):
+        setting.board.now_s += 0.1
+        setting.sonar(1.0, 2.0)
+    setting.control.finish()
+    assert setting.batches == []
+
+
+def test_a_batch_bears_the_stamp_of_its_newest_scan() -> None:
+    setting = Setting(FilterRawParams(batch_points=10))
+    setting.drive(9, 1.0)
+    setting.move(1.0)
+    taken_s = setting.board.now_s
+    setting.board.now_s += 0.2
+    setting.board.post(SONAR_SCAN, SonarScan(sensors=(0,), ranges_m=(1.0,)), source="robot", stamp_s=taken_s)
+    setting.control.run_cycle()
+    entry = setting.board.newest(SUPPORTED_POINTS)
+    assert entry is not None
+    assert entry.stamp_s == taken_s
+
+
+def test_the_next_batch_starts_where_the_last_one_ended() -> None:
+    setting = Setting(FilterRawParams(batch_points=10))
+    setting.drive(10, 1.0)
+    setting.move(5.0)
+    setting.sonar(None)  # no point: no part of the batch
+    for i in range(10):
+        setting.move(6.0 + 0.1 * i)
+        setting.sonar(1.0)
+    entry = setting.board.newest(SUPPORTED_POINTS)
+    assert entry is not None
+    supports = {s.key.rsplit("/", 1)[1]: (s.first, s.last) for s in entry.supports}
+    assert supports == {"sonar_scan": (12, 21), "odom_from_robot": (12, 21), "map_from_odom": (1, 1)}
+
+
+def test_a_sensor_that_the_robot_does_not_have_is_named() -> None:
+    setting = Setting(FilterRawParams())
+    setting.move(0.0)
+    with pytest.raises(ComponentFailed, match="sonar number 2, the description of robot 'two' has numbers 0 to 1"):
+        setting.sonar(1.0, 2.0, 3.0)
 
 
 def test_a_laser_s_points_are_thinned() -> None:

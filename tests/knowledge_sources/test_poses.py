@@ -51,6 +51,14 @@ def test_after_the_newest_it_goes_on_at_the_same_speed_for_a_moment() -> None:
     assert map_from_robot_at(access, 1.1 + LONGEST_REACH_S + 0.01) is None
 
 
+def test_poses_a_microsecond_apart_give_no_speed() -> None:
+    # Repaired stamps may lie so; 1 cm in a microsecond would be 10 km/s.
+    _, access = board_with((1.0, 0.0, 0.0), (1.1, 0.05, 0.0), (1.100001, 0.06, 0.0))
+    assert found(access, 1.2)[0].x_m == pytest.approx(0.12, abs=1e-3)  # 6 cm in the last 0.1 s
+    _, access = board_with((1.1, 0.05, 0.0), (1.100001, 0.06, 0.0))
+    assert found(access, 1.2)[0].x_m == 0.06
+
+
 def test_a_single_pose_serves_for_a_moment_before_and_after() -> None:
     _, access = board_with((1.0, 7.0, 0.0))
     assert found(access, 0.9)[0].x_m == found(access, 1.1)[0].x_m == 7.0

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import pi, radians
+from random import Random
 
 import numpy as np
 import pytest
@@ -101,6 +102,21 @@ def test_a_scan_lowers_a_cell_once() -> None:
     assert value(grid, 0, 20) == 118
 
 
+def test_conflicting_cones_of_a_scan_count_alike_in_any_order() -> None:
+    # The first clears what the second's arc fills: down by 10, then up by 24.
+    scan = [ping(2.02), ping(1.02, radians(4.0))]
+    for order in (scan, scan[::-1]):
+        grid = folded(PLAIN, order)
+        assert value(grid, 1, 20) == UNKNOWN - 10 + 24
+        assert value(grid, 0, 10) == 118
+
+
+def test_conflicting_scans_leave_the_balance() -> None:
+    # Two of three scans end at 1 m, one goes on to 2 m: 128 + 24 + 24 - 10.
+    grid = folded(PLAIN, [ping(1.02)], [ping(2.02)], [ping(1.02)])
+    assert value(grid, 0, 20) == 166
+
+
 def test_the_likeliest_cell_of_an_arc_takes_the_evidence() -> None:
     params = replace(PLAIN, share=2.0)
     grid = blank()
@@ -155,10 +171,34 @@ def test_a_quarter_turn_of_the_robot_turns_the_grid(ranges: list[float], turn: i
     for quarter in (0.0, pi / 2):
         scan = [ping(r, turn * pi / 360 + i * pi / 6 + quarter) for i, r in enumerate(ranges)]
         grid = folded(params, scan)
-        flat, width, first_row, first_column = grid.flat()
-        square = flat.reshape(-1, width)[-80 - first_row : 81 - first_row, -80 - first_column : 81 - first_column]
-        turned.append(square)
+        turned.append(square(grid))
     assert np.array_equal(np.rot90(turned[0], -1), turned[1])
+
+
+def square(grid: Grid) -> np.ndarray:
+    flat, width, first_row, first_column = grid.flat()
+    return flat.reshape(-1, width)[-80 - first_row : 81 - first_row, -80 - first_column : 81 - first_column]
+
+
+@given(st.lists(RANGES, min_size=1, max_size=4), st.integers(0, 719), st.integers(1, 60))
+def test_a_mirrored_robot_mirrors_the_grid(scans: list[list[float]], turn: int, apart: int) -> None:
+    both = []
+    for side in (1, -1):
+        told = [[ping(r, side * (turn + i * apart) * pi / 360) for i, r in enumerate(ranges)] for ranges in scans]
+        both.append(square(folded(EouGridParams(), *told)))
+    assert np.array_equal(both[0][::-1], both[1])
+
+
+@given(RANGES, st.integers(1, 60), st.randoms(use_true_random=False))
+def test_the_order_of_the_sonars_does_not_matter(ranges: list[float], apart: int, random: Random) -> None:
+    scan = [ping(r, i * apart * pi / 360) for i, r in enumerate(ranges)]  # many cones overlap
+    grid, other = blank(), blank()
+    first, second = SonarEvidence(EouGridParams()), SonarEvidence(EouGridParams())
+    for _ in range(6):  # enough for shadows
+        first.fold(grid, scan)
+        random.shuffle(scan)
+        second.fold(other, scan)
+        assert np.array_equal(grid.cells, other.cells)
 
 
 @given(st.lists(RANGES, min_size=1, max_size=5), st.booleans(), st.sampled_from([0.0, 1.0, 2.0]))
