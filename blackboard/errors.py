@@ -24,6 +24,10 @@ class RecordingError(SkiError):
     """A recording cannot be read, or holds nothing that can be used."""
 
 
+class UncertaintyError(SkiError):
+    """A theory of uncertainty cannot work with what it was given (a probability of 2, evidence in total conflict)."""
+
+
 class OutputError(SkiError):
     """Results cannot be written where they were asked for."""
 
