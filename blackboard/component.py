@@ -161,6 +161,9 @@ class Robot(Component[P], ABC):
     def drive(self, command: Drive) -> None:
         """Take what goes to the wheels from now on."""
 
+    def close(self) -> None:
+        """Let go of files and connections; nothing is asked of it afterwards."""
+
     def true_pose(self) -> Pose | None:
         """Return where the robot really is, map frame, for scores; None where nobody knows. No component may ask."""
         return None

@@ -60,6 +60,8 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
             run.control.finish()
         except ComponentFailed as error:  # under --strict
             failure = error
+        finally:
+            run.robot.close()
     result = gather(run, title or mission.name)
     write_results(result, folder, collector.frames if collector is not None else ())
     if failure is not None:

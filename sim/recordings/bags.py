@@ -5,7 +5,7 @@ once while it is replayed, in the order in which the messages were received.
 """
 
 from array import array
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -203,7 +203,7 @@ class Bag(Recording):
             self.saw(TYPES[stream.type], stream.stamps[0], stream.stamps[-1])
         self._streams = used
 
-    def replay(self) -> Iterator[Heard]:
+    def replay(self) -> Generator[Heard, None, None]:
         """Yield odometry, sweeps and echoes as they were received; ranges heard together come as one."""
         self.counts["messages_skipped"] = self.counts["ranges_invalid"] = 0
         cursors = {key: iter(stream.stamps) for key, stream in self._streams.items()}

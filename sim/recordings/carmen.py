@@ -6,7 +6,7 @@ order, and once while it is replayed.
 
 import gzip
 import zlib
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from math import pi
 from pathlib import Path
 
@@ -112,7 +112,7 @@ class CarmenLog(Recording):
         x_m, y_m, heading_rad = middle.tolist()
         return Pose(x_m=round(x_m, 6), y_m=round(y_m, 6), heading_rad=wrap_angle(heading_rad))
 
-    def replay(self) -> Iterator[Heard]:
+    def replay(self) -> Generator[Heard, None, None]:
         """Yield odometry, sweeps and echoes in the order of the lines; a laser line gives its odometry first."""
         self.counts["ranges_invalid"] = 0
         stamps = iter(self._stamps.tolist())

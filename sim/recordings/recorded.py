@@ -129,6 +129,10 @@ class RecordedRobot(Robot[RecordedRobotParams]):
             yield from self._readings(heard)
         self._held = iter(())
 
+    def close(self) -> None:
+        self._held = iter(())
+        self._replay.close()
+
     def summary(self) -> dict[str, float | int | str]:
         """Return what was read, left out and repaired, and what a user should know of how the file was taken."""
         figures: dict[str, float | int | str] = dict(sorted(self._recording.counts.items()))

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Generator
 from dataclasses import dataclass
 
 from blackboard.messages.sensing import LaserSensor, Odometry, SonarSensor
@@ -52,7 +52,7 @@ class Recording(ABC):
         self.notes: list[str] = []
 
     @abstractmethod
-    def replay(self) -> Iterator[Heard]:
+    def replay(self) -> Generator[Heard, None, None]:
         """Yield what was recorded, in the file's order; stamps never run back within one sensor."""
 
     def saw(self, type_: type[Odometry | Sweep | Echoes], first_s: float, last_s: float) -> None:
