@@ -17,7 +17,7 @@ class LineFinderParams:
     rho_step_m: float = 0.05  # the thesis's
     reach_m: float = 10.0  # largest rho: a sonar's reach (the thesis's lab: 5 m)
     min_votes: int = 10  # fewer do not prove a line however empty the rest
-    chance_sigmas: float = 6.0  # each strong wall adds chance votes around its own cell, so three is too few
+    chance_sigmas: float = 7.0  # each strong wall adds chance votes around its own cell, so three is too few
     cluster_fraction: float = 0.5  # of the mean of the earlier max-min distances: the thesis's
     line_distance_m: float = 0.10  # two cells of rho: what clustering leaves uncertain
     min_support: int = 10  # each of five places twice
@@ -36,7 +36,7 @@ class LineFinderParams:
     tolerance_sigmas: float = 2.0  # how far an echo may lie from where its wall would have sent it
     min_places: int = 5  # two things always lie on a line, and three or four may by chance
     contradiction_margin_m: float = 0.06  # five deviations of a sonar's noise
-    max_contradicted_fraction: float = 0.03  # of the support: cross-talk and what moves
+    max_contradicted_fraction: float = 0.02  # of the support: cross-talk and what moves
     leftovers: int = (
         4000  # echoes of cones that no line claimed, searched together each time that half are new; 0: none
     )
