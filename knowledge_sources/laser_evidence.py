@@ -78,7 +78,7 @@ class LaserEvidence:
             limits_m, step_rad = limits_m[::-1], -step_rad
         fan = self._fan(float(limits_m.max()))
         low_rad = (first_rad - step_rad / 2 + pi) % (2 * pi) - pi  # into the first turn of the fan
-        edges = low_rad + np.minimum(step_rad * np.arange(len(limits_m) + 1), 2 * pi)  # beyond a turn beams come twice
+        edges = low_rad + step_rad * np.arange(len(limits_m) + 1)  # those after a whole turn lie in the fan's second
         bounds = np.searchsorted(fan.bearings_rad, edges.astype(np.float32), side="right")
         limits = np.repeat(limits_m.astype(np.float32), np.diff(bounds))
         first, past = bounds[0], bounds[-1]

@@ -159,6 +159,15 @@ def test_a_range_at_the_sensor_itself_touches_only_what_is_there() -> None:
     for range_m in (0.0, 0.01, 0.04):
         grid = folded(replace(PLAIN, cell_m=CELL_M), [ping(range_m, x_m=0.001)])
         assert (grid.cells != UNKNOWN).sum() <= 4
+        assert (folded(PLAIN, [ping(range_m, heard=False, x_m=0.001)]).cells != UNKNOWN).sum() <= 1
+
+
+def test_many_wide_cones_of_one_scan() -> None:
+    # More cells than the buffers have at first.
+    scan = [Ping(HERE, HERE, i * pi / 8, radians(120.0), 2.5, False) for i in range(16)]
+    grid = folded(PLAIN, scan)
+    rows, columns = np.nonzero(grid.cells == UNKNOWN - 10)
+    assert len(rows) == pytest.approx(pi * (0.75 * 2.5 / CELL_M) ** 2, rel=0.01)
 
 
 RANGES = st.lists(st.floats(0.0, 3.0), min_size=1, max_size=12)
