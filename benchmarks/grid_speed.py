@@ -81,10 +81,11 @@ def plain_laser(cells: np.ndarray, scan: LaserScan, robot: RobotDescription, pos
 
 def main() -> None:
     params = EouGridParams()
-    for name, robot_name, kind, plain in (
+    cases: tuple[tuple[str, str, Any, Any], ...] = (
         ("12-sonar scan", "k2a", SONAR_SCAN, plain_sonar),
         ("181-beam scan", "pioneer", LASER_SCAN, plain_laser),
-    ):
+    )
+    for name, robot_name, kind, plain in cases:
         robot, taken = scans(robot_name, kind)
         ours, theirs = [], []
         for _ in range(ROUNDS):
@@ -98,7 +99,7 @@ def main() -> None:
             cells = np.full((800, 800), 128, np.int16)
             started = process_time()
             for pose, scan in taken[:20]:
-                plain(cells, scan, robot, pose, params)  # type: ignore[operator]
+                plain(cells, scan, robot, pose, params)
             theirs.append((process_time() - started) / 20 * 1e3)
         print(
             f"{name}: {median(ours):.3f} ms, plain numpy {median(theirs):.3f} ms, ratio {median(ours) / median(theirs):.4f}"
