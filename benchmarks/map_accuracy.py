@@ -2,10 +2,10 @@
 
 python benchmarks/map_accuracy.py [--seeds N] [--world W] [--robot R]
 
-Three tables: the shipped settings, and the plain scheme of Bou-Ghannam 1992, section 5.2 (cones of 10 m whose arcs are raised alike,
-nothing filtered, lines through the points on the cones' axes), both with exact odometry, so that they show what the map builder
-does; then the shipped settings with the odometry's errors, which nobody corrects yet. What is right, `blackboard/report/scores.py`
-says.
+Three tables: the shipped settings, and the plain scheme of Bou-Ghannam 1992, section 5.2 (cones of 10 m whose arcs are raised
+alike, nothing filtered, lines through the points on the cones' axes), both with exact odometry, so that they show what the map
+builder does; then the shipped settings with the odometry's errors, which nobody corrects yet. What is right,
+`blackboard/report/scores.py` says.
 """
 
 import argparse
