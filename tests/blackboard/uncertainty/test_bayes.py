@@ -41,6 +41,7 @@ def test_two_pieces_of_evidence_by_hand() -> None:
 def test_densities_so_small_that_their_products_vanish() -> None:
     after = posterior({"door": 0.5, "wall": 0.5}, {"door": 3e-320, "wall": 1e-320})
     assert after["door"] == pytest.approx(0.75, rel=1e-3)
+    assert posterior({"door": 0.3, "wall": 0.7}, {"door": 5e-324, "wall": 5e-324}) == {"door": 0.3, "wall": 0.7}
 
 
 def test_a_hypothesis_that_is_ruled_out_stays_out() -> None:

@@ -71,6 +71,10 @@ def test_belief_and_plausibility_by_hand() -> None:
     assert [sorted(subset) for subset, _ in body.focal] == [["door"], ["door", "wall"], ["door", "person", "wall"]]
 
 
+def test_the_order_of_writing_does_not_matter() -> None:
+    assert evidence(FRAME, {DOOR: 0.5, WALL: 0.5}) == evidence(reversed(FRAME), {WALL: 0.5, DOOR: 0.5})
+
+
 def test_ignorance_is_not_disbelief() -> None:
     nothing = support(FRAME, FRAME, 0.0)
     assert nothing.ignorance == 1.0
@@ -155,6 +159,7 @@ def test_bad_input_is_refused_in_one_line() -> None:
         (lambda: evidence(FRAME, {frozenset(): 0.1, ALL: 0.9}), "mass of the empty set = 0.1 must be 0"),
         (lambda: evidence(FRAME, {frozenset({"dor"}): 1.0}), "'dor' is not in the frame of discernment; did you mean 'door'?"),
         (lambda: evidence((), {}), "frame of discernment is empty"),
+        (lambda: evidence(FRAME, {("door", "wall"): 0.5, ("wall", "door"): 0.5}), r"mass of \{door, wall\} is given twice"),  # type: ignore[dict-item]
         (lambda: support(FRAME, DOOR, 1.1), "degree of support = 1.1 is outside"),
         (lambda: support(FRAME, (), 0.5), "mass of the empty set = 0.5 must be 0"),
         (lambda: belief(body, "door"), r"'door' is one name where several are expected; write \{'door'\}"),

@@ -60,6 +60,7 @@ def test_the_latest_word_of_each_stands() -> None:
     assert standing([a, b, c]) == standing([c, b, a]) == (b, c)
     same = said("laser", "for", 3.0)
     assert standing([c, same]) == (same,)  # of one stamp the one given later
+    assert standing([said("sonar", "for"), said("laser", "for")]) == (said("laser", "for"), said("sonar", "for"))
     assert reasons([a, b, c], "against") == (b, c)
     assert reasons([a, b, c], "for") == (a,)
 

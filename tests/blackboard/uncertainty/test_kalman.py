@@ -34,6 +34,7 @@ def test_exact_and_ignorant_sides() -> None:
     exact, vague = Estimate(mean=1.0, variance=0.0), Estimate(mean=7.0, variance=1e12)
     assert merge(exact, vague) == merge(vague, exact) == exact
     assert merge(exact, exact) == exact
+    assert merge(Estimate(mean=1e17, variance=1.0), Estimate(mean=0.1, variance=0.0)).mean == 0.1
     assert merge(Estimate(mean=1.0, variance=2.0), vague).mean == pytest.approx(1.0, abs=1e-9)
 
 
