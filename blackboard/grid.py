@@ -18,7 +18,7 @@ from blackboard.messages.world import TILE_CELLS, GridTile
 UNKNOWN = 128
 EMPTY_MAX = 64  # a cell counts as empty up to this: half way from unknown to sure, so one reading alone does not decide
 OCCUPIED_MIN = 192  # and as occupied from this on
-MAX_CELLS = 400_000_000  # 1 km square at 5 cm: what lies beyond is a fault, not a building
+MAX_CELLS = 50_000_000  # 350 m square at 5 cm, 50 MB: what lies beyond is a fault, not a building
 HEADROOM_FRACTION = 0.5  # growing by a share of what is there keeps the copying amortised
 UNIT_SLACK = 1e-9  # cell_m of two tiles may differ by rounding only
 

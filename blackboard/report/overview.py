@@ -31,6 +31,7 @@ DPI = 200
 EDGE_PX = 48
 HEAD_PX = 148
 FOOT_PX = 104
+PATH_SAMPLE_PX = 60  # the legend of a long run on a narrow map must still fit
 TITLE_LETTERS = 48  # as many of the widest kind as fit
 SHAPE = (0.35, 0.9)  # height over width of the map's part
 SMALLEST_ROBOT_PX = 9.0  # radius below which a ring around the robot shows where it stands
@@ -176,7 +177,7 @@ def _draw_foot(page: "Axes", result: RunResult, px_per_m: float, view: View) -> 
         items.append(_Item(44, "line", _draw_line_sample))
     if len(result.trajectory) > 1:
         span_s = float(result.trajectory[-1, 0] - result.trajectory[0, 0])
-        items.append(_Item(110, f"path, 0 to {_duration(span_s)}", _draw_path_sample))
+        items.append(_Item(PATH_SAMPLE_PX, f"path, 0 to {_duration(span_s)}", _draw_path_sample))
     if len(result.trajectory):
         if _moved(result):
             items.append(_Item(34, "start", _robot_sample(palette.PAPER)))
@@ -213,7 +214,7 @@ def _draw_line_sample(page: "Axes", x: float, y: float) -> None:
 
 
 def _draw_path_sample(page: "Axes", x: float, y: float) -> None:
-    xs = np.linspace(x, x + 110, 45)
+    xs = np.linspace(x, x + PATH_SAMPLE_PX, 45)
     pieces = [[(a, y), (b, y)] for a, b in zip(xs[:-1].tolist(), xs[1:].tolist(), strict=True)]
     colours = list(palette.path_colours(np.linspace(0.0, 1.0, 44)))
     page.add_collection(LineCollection(pieces, colors=colours, linewidths=2.2))
