@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 from blackboard.errors import BoardError
 from blackboard.key_expressions import is_chunk
-from blackboard.messages import control, motion, sensing, world
+from blackboard.messages import control, model, motion, sensing, world
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
 
@@ -78,8 +78,16 @@ BATTERY = slot("observations/signal/battery", sensing.Battery, "charge left")
 ODOM_FROM_ROBOT = slot("observations/feature/odom_from_robot", Pose, "the robot in the odometry frame: smooth, drifts")
 SUPPORTED_POINTS = slot("observations/feature/supported_points", world.PointSet, "a batch of readings that the grid bears out")
 LINE = collection("observations/feature/line", world.Line, "a line seen in one batch of points, id <batch>-<number>")
+LINE_SET = slot("observations/feature/line_set", model.LineSet, "the ids of a batch's lines, after all of them")
 MAP_FROM_ODOM = slot("hypotheses/feature/map_from_odom", Pose, "the odometry frame in the map: moved by re-references only")
 GRID = collection("hypotheses/feature/grid", world.GridTile, "the empty-occupied-unknown grid by tiles, id <column>_<row>")
+MODEL_LINE = collection("hypotheses/feature/model_line", model.ModelLine, "a wall as known from all that was seen of it")
+LINE_MATCHES = slot("hypotheses/feature/line_matches", model.LineMatches, "which observed lines are which model lines")
+EXPECTED_LINES = slot("hypotheses/feature/expected_lines", model.ExpectedLines, "the lines that should be in view")
+POSE_ESTIMATE = slot("hypotheses/feature/pose_estimate", model.PoseEstimate, "map_from_robot with its covariance")
+RE_REFERENCE = slot("hypotheses/feature/re_reference", model.ReReference, "what a batch of matches makes of the pose")
+NEW_AREA_VISITED = collection("hypotheses/symbol/new_area_visited", model.NewAreaVisited, "a line that matched nothing")
+POSE_CONFLICT = collection("hypotheses/symbol/pose_conflict", model.PoseConflict, "a jump of the pose that was refused, id <batch>")
 ROBOT = slot("status/robot", sensing.RobotDescription, "body and sensors of the robot")
 COMPONENT = collection("status/component", control.ComponentStatus, "whether a component works", shared=True)
 BEHAVIOUR = collection("status/behaviour", motion.BehaviourStatus, "where a behaviour stands", shared=True)

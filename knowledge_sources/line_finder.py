@@ -3,6 +3,7 @@
 Triggered by  observations/feature/supported_points  PointSet
 Reads         status/robot                           RobotDescription, for its diameter
 Posts         observations/feature/line/<batch>-<n>  Line, <batch> being the revision of the points
+              observations/feature/line_set          LineSet: after all lines of a batch
 
 Echoes of sonars that no line claimed wait, and are searched together when there are enough of them: a line's supports name the
 stretch of batches that its echoes came in. Source: Bou-Ghannam 1992, section 5.2.3, steps 1 to 8; its functions and what goes
@@ -17,7 +18,8 @@ from blackboard.access import Access
 from blackboard.component import KnowledgeSource
 from blackboard.entry import Entry, Support
 from blackboard.errors import BoardError
-from blackboard.kinds import LINE, ROBOT, SUPPORTED_POINTS
+from blackboard.kinds import LINE, LINE_SET, ROBOT, SUPPORTED_POINTS
+from blackboard.messages.model import LineSet
 from blackboard.messages.world import Line, PointSet
 from knowledge_sources.leftover_echoes import Leftovers
 from knowledge_sources.line_finder_params import LineFinderParams
@@ -30,7 +32,7 @@ class LineFinder(KnowledgeSource[LineFinderParams]):
     Params = LineFinderParams
     triggers = (SUPPORTED_POINTS,)
     reads = (ROBOT,)
-    posts = (LINE,)
+    posts = (LINE, LINE_SET)
     work = 10
 
     def __init__(self, params: LineFinderParams, *, name: str, seed: int = 0) -> None:
@@ -51,6 +53,8 @@ class LineFinder(KnowledgeSource[LineFinderParams]):
         self._leftovers = self._leftovers.with_more(echoes.take(left), trigger.revision, self.params.leftovers)
         if 2 * self._leftovers.new >= self.params.leftovers:
             self._search_leftovers(board, trigger)
+        lines = LineSet(batch=trigger.revision, lines=tuple(self._batches[-1]))
+        board.post(LINE_SET, lines, supports=[trigger], stamp_s=trigger.stamp_s)
         while len(self._batches) > self.params.keep_batches:
             for id_ in self._batches.popleft():
                 board.retract(LINE, id_)

@@ -8,7 +8,7 @@ import pytest
 from blackboard.access import Access
 from blackboard.board import Board
 from blackboard.errors import BoardError, MissionError
-from blackboard.kinds import LINE, ROBOT, SUPPORTED_POINTS
+from blackboard.kinds import LINE, LINE_SET, ROBOT, SUPPORTED_POINTS
 from blackboard.messages.geometry import pack_array
 from blackboard.messages.sensing import RobotDescription
 from blackboard.messages.world import PointSet
@@ -58,6 +58,17 @@ def test_a_batch_becomes_lines_that_know_where_they_come_from() -> None:
     assert [round(line.rho_m, 2) for line in level] == [3.0]
     assert [round(line.rho_m, 2) for line in upright] == [4.0, 4.0]
     assert level[0].extent() == pytest.approx((-0.5, 3.0, 2.5, 3.0), abs=0.02)
+
+
+def test_after_the_lines_of_a_batch_their_ids_are_posted() -> None:
+    board, access, finder = bench()
+    points = board.post(SUPPORTED_POINTS, two_walls(), source="filter_raw", stamp_s=0.0)
+    finder.activate(points, access)
+    batch = board.newest(LINE_SET)
+    assert batch is not None
+    assert batch.value.batch == points.revision
+    assert list(batch.value.lines) == [entry.id for entry in board.entries(LINE)]
+    assert (batch.supports, batch.stamp_s) == ((points.as_support(),), 0.0)
 
 
 def test_lines_of_old_batches_are_taken_back() -> None:
