@@ -1,6 +1,7 @@
 """Runs every benchmark and writes what they print to docs/measurements.md.
 
-python benchmarks/write_measurements.py    # half an hour; nothing else should run meanwhile
+python benchmarks/write_measurements.py                   # ten minutes; nothing else should run meanwhile
+python benchmarks/write_measurements.py "Start" "A post"  # only these sections; the others stay as they are
 """
 
 import os
@@ -32,26 +33,50 @@ BENCHMARKS = (
     ("Recordings", "`ski map` as a process, reading and pictures included.", ("map_recordings.py",)),
     ("A scan into the grid", "", ("grid_speed.py",)),
     ("A post", "On the local link, validated.", ("board_speed.py",)),
+    ("Start", "", ("start_up.py",)),
 )
 
 
+def standing_sections() -> dict[str, str]:
+    """Return the sections of the page as it is, by title."""
+    if not PAGE.exists():
+        return {}
+    parts = PAGE.read_text(encoding="utf-8").split("\n## ")[1:]
+    return {part.partition("\n")[0]: f"## {part.rstrip()}\n" for part in parts}
+
+
+def section(title: str, text: str, command: tuple[str, ...]) -> str:
+    """Run a benchmark and return its section."""
+    print(f"{' '.join(command)} ...", flush=True)
+    done = subprocess.run(
+        [sys.executable, HERE / command[0], *command[1:]],
+        cwd=HERE.parent,
+        env={**os.environ, "PYTHONPATH": str(HERE.parent)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    intro = f"{text} " if text else ""
+    shown = f"python benchmarks/{' '.join(command)}"
+    printed = "\n".join(line.rstrip() for line in done.stdout.strip().splitlines())
+    return f"## {title}\n\n{intro}`{shown}`\n\n```\n{printed}\n```\n"
+
+
 def main() -> None:
-    cores = os.cpu_count()
-    machine = f"{platform.machine()}, {cores} cores"
+    chosen = sys.argv[1:]
+    unknown = set(chosen) - {title for title, _, _ in BENCHMARKS}
+    if unknown:
+        sys.exit(
+            f"no section is called {sorted(unknown)[0]!r}; there are {', '.join(title for title, _, _ in BENCHMARKS)}"
+        )
+    standing = standing_sections() if chosen else {}
+    machine = f"{platform.machine()}, {os.cpu_count()} cores"
     parts = [HEAD.format(machine=machine, python=platform.python_version())]
     for title, text, command in BENCHMARKS:
-        print(f"{' '.join(command)} ...", flush=True)
-        done = subprocess.run(
-            [sys.executable, HERE / command[0], *command[1:]],
-            cwd=HERE.parent,
-            env={**os.environ, "PYTHONPATH": str(HERE.parent)},
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        intro = f"{text} " if text else ""
-        shown = f"python benchmarks/{' '.join(command)}"
-        parts.append(f"## {title}\n\n{intro}`{shown}`\n\n```\n{done.stdout.strip()}\n```\n")
+        if title in standing and title not in chosen:
+            parts.append(standing[title])
+        else:
+            parts.append(section(title, text, command))
     PAGE.write_text("\n".join(parts), encoding="utf-8")
     print(f"wrote {PAGE}")
 
