@@ -1,4 +1,4 @@
-"""`ski map RECORDING`: run the mission `map-recording` on a CARMEN log, a ROS 1 bag or a ROS 2 bag."""
+"""`ski map RECORDING`: run a mission, `map-recording` unless told, on a CARMEN log, a ROS 1 bag or a ROS 2 bag."""
 
 import argparse
 from pathlib import Path
@@ -13,9 +13,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "recording", type=Path, help="a CARMEN log (plain or gzipped), a ROS 1 bag, a ROS 2 bag (sqlite3, MCAP)"
     )
     parser.add_argument("--cones", type=int, default=None, metavar="N", help="thin the laser to N sonar cones")
+    parser.add_argument(
+        "--mission", default="map-recording", help="a mission whose robot is a recording (default: map-recording)"
+    )
     add_mission_options(parser, mission=False)
     add_run_options(parser)
-    parser.set_defaults(mission="map-recording")
 
 
 def call(options: argparse.Namespace) -> int:
