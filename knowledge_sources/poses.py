@@ -20,7 +20,7 @@ def map_from_robot_at(board: Access, stamp_s: float) -> tuple[Pose, tuple[Entry[
 
     Between two poses it is interpolated; after the newest it goes on at its speed for LONGEST_REACH_S.
     """
-    odometry = _odom_from_robot_at(board, stamp_s)
+    odometry = odom_from_robot_at(board, stamp_s)
     if odometry is None:
         return None
     odom_from_robot, supports = odometry
@@ -30,7 +30,8 @@ def map_from_robot_at(board: Access, stamp_s: float) -> tuple[Pose, tuple[Entry[
     return correction.value @ odom_from_robot, (*supports, correction)
 
 
-def _odom_from_robot_at(board: Access, stamp_s: float) -> tuple[Pose, tuple[Entry[Pose], ...]] | None:
+def odom_from_robot_at(board: Access, stamp_s: float) -> tuple[Pose, tuple[Entry[Pose], ...]] | None:
+    """Return odom_from_robot at `stamp_s` and the entries that it stands on, as `map_from_robot_at` does."""
     before, after = board.around(ODOM_FROM_ROBOT, stamp_s)
     if before is not None and before.stamp_s == stamp_s:
         return before.value, (before,)
