@@ -70,8 +70,8 @@ def match_lines(
                 turn_rad=gap.turn_rad,
                 offset_m=gap.offset_m,
                 covariance=(float(own[0, 0]), float(own[0, 1]), float(own[1, 1])),
-                inherited_sigma_theta_rad=line.inherited_sigma_theta_rad,
-                inherited_sigma_rho_m=line.inherited_sigma_rho_m,
+                model_sigma_theta_rad=line.sigma_theta_rad,
+                model_sigma_rho_m=line.sigma_rho_m,
             )
         )
     return tuple(found)

@@ -127,10 +127,10 @@ def _observed(matches: Sequence[LineMatch], prior: Array, least_information: flo
 
 
 def not_surer_than(after: Array, before: Array, sigma_m: float, sigma_rad: float) -> Array:
-    """Return the covariance `after` a correction widened to what the lines inherited, where the pose had not been surer `before`.
+    """Return the covariance `after` a correction, no smaller than the lines' own where the pose had not been surer `before`.
 
-    Lines first seen from one pose share that pose's error: however many they are, and however often they are seen, they say
-    where the robot is in the map no better than that.
+    A line's error is the same each time that the line is met, and lines first seen from one pose share that pose's error: however
+    often they are seen, they say where the robot is in the map no better than that.
     """
     old, new = np.sqrt(np.diag(before)), np.sqrt(np.diag(after))
     least = np.minimum(old, np.array([sigma_m, sigma_m, sigma_rad]))

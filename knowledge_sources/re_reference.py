@@ -131,8 +131,8 @@ class ReReferencer(KnowledgeSource[ReReferenceParams]):
             lines=tuple(match.observed for match in used),
         )
         if found.allowed and used:
-            floor_theta = min(match.inherited_sigma_theta_rad for match in used)
-            floor_rho = min(match.inherited_sigma_rho_m for match in used)
+            floor_theta = min(match.model_sigma_theta_rad for match in used)
+            floor_rho = min(match.model_sigma_rho_m for match in used)
             self._covariance = not_surer_than(found.covariance, prior, floor_rho, floor_theta)
             self._move(trigger, moved(pose, found), supports, board)
         if not found.allowed:

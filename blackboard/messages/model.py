@@ -63,7 +63,8 @@ class NewAreaVisited(Message, frozen=True, kw_only=True):
 class LineMatch(Message, frozen=True, kw_only=True):
     """An observed and a model line that may be the same: (theta, offset) of the model less those observed, at the latter's middle.
 
-    `covariance` is that of the difference without the pose's: of theta, of both, of the offset.
+    `covariance` is that of the difference without the pose's: of theta, of both, of the offset. The `model` sigmas are the model
+    line's own: the pose cannot become surer by it than that.
     """
 
     observed: Name
@@ -73,8 +74,8 @@ class LineMatch(Message, frozen=True, kw_only=True):
     turn_rad: Angle
     offset_m: Metres
     covariance: tuple[Covariance, Covariance, Covariance]
-    inherited_sigma_theta_rad: Sigma
-    inherited_sigma_rho_m: Length
+    model_sigma_theta_rad: Sigma
+    model_sigma_rho_m: Length
 
 
 class LineMatches(Message, frozen=True, kw_only=True):

@@ -35,8 +35,8 @@ def seen_wrongly(line: LineEstimate, at: tuple[float, float], shift: tuple[float
         turn_rad=gap.turn_rad,
         offset_m=gap.offset_m,
         covariance=(float(c[0, 0]), float(c[0, 1]), float(c[1, 1])),
-        inherited_sigma_theta_rad=0.0,
-        inherited_sigma_rho_m=0.0,
+        model_sigma_theta_rad=0.0,
+        model_sigma_rho_m=0.0,
     )
 
 

@@ -30,8 +30,8 @@ def match(number: int, theta: float, x: float, y: float, offset: float, turn: fl
         turn_rad=turn,
         offset_m=offset,
         covariance=(1e-4, 0.0, 1e-4),
-        inherited_sigma_theta_rad=0.0,
-        inherited_sigma_rho_m=0.02,
+        model_sigma_theta_rad=0.0,
+        model_sigma_rho_m=0.02,
     )
 
 
