@@ -1,13 +1,13 @@
 """The pose from which the grid explains the echoes best, and how sharply it does so.
 
 The score of a pose is the sum over echoes of the logarithm of a normal distribution about the expected range with a floor for
-those that have nothing to do with the grid. An echo from where nothing is known yet scores like an average one: else the pose would
-be drawn back to what is mapped. The score's slope and curvature are measured over steps as wide as the grid is rough; where it
-does not curve down (along a corridor) it tells nothing, and the pose stays where odometry put it.
+those that have nothing to do with the grid. An echo from where nothing is known yet scores alike for every pose: else the pose
+would be drawn back to what is mapped. The score's slope and curvature are measured over steps as wide as the grid is rough; where
+it does not curve down (along a corridor) it tells nothing, and the pose stays where odometry put it.
 """
 
 from dataclasses import dataclass
-from math import inf, log
+from math import inf
 
 import numpy as np
 import numpy.typing as npt
@@ -88,14 +88,16 @@ def surprise(found: Match, prior_covariance: Floats) -> float:
 
 
 def score(grid: Grid, heard: Heard, poses: Floats, params: SonarMatcherParams) -> tuple[Floats, int]:
-    """Return the score of each of `poses` (m, 3), and how many echoes come from known places as seen from the first one."""
+    """Return the score of each of `poses` (m, 3), and how many echoes it counts.
+
+    They are those that come from known places as seen from the first pose; the same for all, so that poses compare.
+    """
     expected = expect(grid, heard, poses, params)
     off = np.minimum(np.abs(expected.ranges_m - heard.ranges_m), 1e3) / params.sigma_m
     floor = params.outlier_fraction
     each = np.log(floor + (1.0 - floor) * np.exp(-0.5 * off * off))  # (m, n)
     known = expected.known[0]
-    average = float(each[0, known].mean()) if known.any() else log(floor)
-    return np.where(expected.known, each, average).sum(axis=1), int(known.sum())
+    return each[:, known].sum(axis=1), int(known.sum())
 
 
 def stencil(widths: Floats) -> Floats:

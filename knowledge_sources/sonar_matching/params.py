@@ -27,9 +27,9 @@ class SonarMatcherParams:
     unknown_cells: float = (
         2.0  # a ray's unknown cells before the echo, on average: more, and the echo is of a new place
     )
-    wall_behind_m: float = (
-        0.10  # a wall stands two cells behind the first occupied sample: its band is some five cells thick
-    )
+    # a wall stands so far behind the first occupied sample: 0.85 of half its band's width, which is five cells and a half, since
+    # echoes scatter by a cell about the two that one of them raises; too small, and the way is taken to be shorter than it is
+    wall_behind_m: float = 0.115
     # the score
     sigma_m: float = (
         0.1  # echo against grid: 0.05 on true poses, as much again for the pose error that the grid was built with

@@ -123,13 +123,25 @@ def test_a_robot_that_stands_learns_nothing_new() -> None:
 
 
 def test_a_jump_beyond_its_uncertainty_is_refused_and_said() -> None:
-    drive = Drive(SonarMatcherParams(trust_probability=0.6))
+    sure = SonarMatcherParams(
+        trust_probability=0.9,
+        distance_scale=0.002,
+        turn_scale=0.002,
+        drift_rad_per_m=0.0005,
+        distance_noise_m=0.002,
+        sideways_noise_m=0.002,
+        heading_noise_rad=0.002,
+        turn_noise_rad=0.005,
+    )
+    drive = Drive(sure)
     for _ in range(60):
+        drive.scan()
+    drive.told = drive.told @ Pose(x_m=0.0, y_m=0.15, heading_rad=0.0)  # the robot was pushed aside
+    for _ in range(10):
         drive.scan()
     before = drive.board.newest(MAP_FROM_ODOM)
     assert before is not None
-    drive.told = drive.told @ Pose(x_m=0.0, y_m=0.3, heading_rad=0.0)  # the robot was pushed aside
-    for _ in range(5):
+    for _ in range(10):
         drive.scan()
     after = drive.board.newest(MAP_FROM_ODOM)
     assert after is not None
