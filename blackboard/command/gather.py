@@ -1,12 +1,17 @@
 """What a run knows: its result at the end, and snapshots on the way for the moving picture."""
 
 from dataclasses import replace
+from math import atan2, cos, pi, sin
 
 import numpy as np
 
+from blackboard.board import Board
+from blackboard.entry import Entry
 from blackboard.grid import Grid
-from blackboard.kinds import GRID, LINE
-from blackboard.messages.geometry import Pose
+from blackboard.kinds import GRID, LINE, MODEL_LINE
+from blackboard.messages.geometry import Pose, wrap_angle
+from blackboard.messages.model import ModelLine
+from blackboard.messages.world import Line
 from blackboard.report.animation import Frame
 from blackboard.report.result import RunResult, driven_m
 from blackboard.report.scores import score_table
@@ -25,7 +30,7 @@ def gather(run: Run, title: str) -> RunResult:
         robot=run.robot.description,
         trajectory=trajectory,
         grid=Grid.from_tiles(entry.value for entry in run.board.entries(GRID)),
-        lines=run.board.entries(LINE),
+        lines=lines_of(run.board),
         true_trajectory=run.true_trajectory(),
         truth=run.robot.truth(),
     )
@@ -34,6 +39,38 @@ def gather(run: Run, title: str) -> RunResult:
     table |= {"lines": len(result.lines), "posts": run.board.posts}
     table |= score_table(result)
     return replace(result, table=table)
+
+
+def lines_of(board: Board) -> list[Entry[Line]]:
+    """Return the lines to show: those of the model where one stands, else all that were observed."""
+    model = [as_observed(entry) for entry in board.entries(MODEL_LINE)]
+    return model or board.entries(LINE)
+
+
+def as_observed(entry: Entry[ModelLine]) -> Entry[Line]:
+    """Return a line of the model in the form of an observed one, with its observations as support."""
+    start, end = entry.value.start, entry.value.end
+    alpha_rad = atan2(end.y_m - start.y_m, end.x_m - start.x_m) + pi / 2  # of the normal
+    rho_m = start.x_m * cos(alpha_rad) + start.y_m * sin(alpha_rad)
+    line = Line(
+        start=start,
+        end=end,
+        alpha_rad=wrap_angle(alpha_rad if rho_m >= 0.0 else alpha_rad + pi),
+        rho_m=abs(rho_m),
+        sigma_rho_m=entry.value.sigma_rho_m,
+        support=entry.value.observations,
+    )
+    return Entry(
+        key=entry.key,
+        id=entry.id,
+        revision=entry.revision,
+        event=entry.event,
+        stamp_s=entry.stamp_s,
+        source=entry.source,
+        value=line,
+        supports=entry.supports,
+        endorsements=entry.endorsements,
+    )
 
 
 class FrameCollector:
@@ -57,6 +94,6 @@ class FrameCollector:
                 pose=Pose(x_m=x_m, y_m=y_m, heading_rad=heading_rad),
                 trajectory=trajectory,
                 grid=replace(known, cells=np.array(known.cells)) if known is not None else None,
-                lines=[entry.value for entry in self._run.board.entries(LINE)],
+                lines=[entry.value for entry in lines_of(self._run.board)],
             )
         )
