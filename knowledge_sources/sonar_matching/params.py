@@ -27,8 +27,9 @@ class SonarMatcherParams:
     unknown_cells: float = (
         2.0  # a ray's unknown cells before the echo, on average: more, and the echo is of a new place
     )
-    # a wall stands so far behind the first occupied sample: 0.85 of half its band's width, which is five cells and a half, since
-    # echoes scatter by a cell about the two that one of them raises; too small, and the way is taken to be shorter than it is
+    # a wall stands so far behind the first occupied sample: about half the width of its band, since echoes scatter by a cell or two
+    # about where it is. Set on one recording (its residuals gave 0.10); to be estimated from residuals, since a value that is too
+    # small makes the way seem shorter than it is
     wall_behind_m: float = 0.115
     # the score
     sigma_m: float = (
