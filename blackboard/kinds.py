@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 from blackboard.errors import BoardError
 from blackboard.key_expressions import is_chunk
-from blackboard.messages import control, model, motion, sensing, world
+from blackboard.messages import control, mapping, model, motion, sensing, world
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
 
@@ -80,6 +80,7 @@ SUPPORTED_POINTS = slot("observations/feature/supported_points", world.PointSet,
 LINE = collection("observations/feature/line", world.Line, "a line seen in one batch of points, id <batch>-<number>")
 LINE_SET = slot("observations/feature/line_set", model.LineSet, "the ids of a batch's lines, after all of them")
 MAP_FROM_ODOM = slot("hypotheses/feature/map_from_odom", Pose, "the odometry frame in the map: moved by re-references only")
+CORRECTED_PATH = slot("hypotheses/feature/corrected_path", mapping.CorrectedPath, "the whole way, as it looks from the end")
 GRID = collection("hypotheses/feature/grid", world.GridTile, "the empty-occupied-unknown grid by tiles, id <column>_<row>")
 MODEL_LINE = collection("hypotheses/feature/model_line", model.ModelLine, "a wall as known from all that was seen of it")
 LINE_MATCHES = slot("hypotheses/feature/line_matches", model.LineMatches, "which observed lines are which model lines")

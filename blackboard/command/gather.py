@@ -8,7 +8,7 @@ import numpy as np
 from blackboard.board import Board
 from blackboard.entry import Entry
 from blackboard.grid import Grid
-from blackboard.kinds import GRID, LINE, MODEL_LINE
+from blackboard.kinds import CORRECTED_PATH, GRID, LINE, MODEL_LINE
 from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.messages.model import ModelLine
 from blackboard.messages.world import Line
@@ -23,7 +23,8 @@ FRAMES = 60
 
 def gather(run: Run, title: str) -> RunResult:
     """Return what a run knows at its end, with the table of its figures."""
-    trajectory = run.trajectory()
+    corrected = run.board.newest(CORRECTED_PATH)
+    trajectory = run.trajectory() if corrected is None else corrected.value.poses.unpack()
     span_s = float(trajectory[-1, 0] - trajectory[0, 0]) if len(trajectory) else 0.0
     result = RunResult(
         mission=title,
@@ -36,6 +37,9 @@ def gather(run: Run, title: str) -> RunResult:
     )
     table: dict[str, float | int | str] = {"robot": result.robot.name, "time_s": span_s, "path_m": driven_m(trajectory)}
     table |= run.robot.summary()
+    if corrected is not None:
+        path = corrected.value
+        table |= {"loops_closed": path.closures, "map_closed": "yes" if path.closed else "not closed: do not trust it"}
     table |= {"lines": len(result.lines), "posts": run.board.posts}
     table |= score_table(result)
     return replace(result, table=table)

@@ -1,0 +1,138 @@
+"""Holds the pose by matching laser scans, and straightens the whole way at the end.
+
+Triggered by  observations/feature/odom_from_robot  Pose
+              observations/signal/laser_scan        LaserScan
+Reads         status/robot
+Posts         hypotheses/feature/map_from_odom      Pose: at each keyframe, matched to the last ones
+              hypotheses/feature/corrected_path     CorrectedPath: at the end, loops closed
+              hypotheses/feature/grid/<tile>        GridTile: at the end, folded along that path
+
+Source: scan matching (Olson 2009; Censi 2008), a graph of poses (Grisetti et al. 2010), all scans at once (Lu and Milios 1997).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from blackboard.access import Access
+from blackboard.component import KnowledgeSource
+from blackboard.entry import Entry, Support
+from blackboard.grid import tile_id
+from blackboard.kinds import CORRECTED_PATH, GRID, LASER_SCAN, MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT
+from blackboard.messages.geometry import Pose, pack_array, wrap_angle
+from blackboard.messages.mapping import CorrectedPath
+from blackboard.messages.sensing import LaserScan, RobotDescription
+from blackboard.parameters import require
+from knowledge_sources.eou_grid import EvidenceGrid
+from knowledge_sources.eou_params import EouGridParams
+from knowledge_sources.laser_graph.bend import bend
+from knowledge_sources.laser_graph.front_end import Tracker
+from knowledge_sources.laser_graph.poses import Floats, between
+from knowledge_sources.laser_graph.scan_points import scan_points
+from knowledge_sources.laser_graph.solve import solve
+from knowledge_sources.sensors import laser_of
+from knowledge_sources.stretches import Stretches
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaserGraphParams:
+    """Which scans become keyframes."""
+
+    step_m: float = 0.3  # driven, or turned by `turn_rad`, since the last keyframe
+    turn_rad: float = 0.2
+    longest_m: float = 30.0  # longer beams hit at a slant and lie far apart
+
+    def __post_init__(self) -> None:
+        require(0 <= self.step_m <= 10, "step_m", self.step_m, "[0, 10] metres")
+        require(0 <= self.turn_rad <= 3.2, "turn_rad", self.turn_rad, "[0, 3.2]")
+        require(1 <= self.longest_m <= 1000, "longest_m", self.longest_m, "[1, 1000] metres")
+
+
+class LaserGraph(KnowledgeSource[LaserGraphParams]):
+    """Tracks from keyframe to keyframe; looks back on all of them at the end. Memory grows with the way driven."""
+
+    Params = LaserGraphParams
+    triggers = (ODOM_FROM_ROBOT, LASER_SCAN)
+    reads = (ROBOT,)
+    posts = (MAP_FROM_ODOM, CORRECTED_PATH, GRID)
+    rating = 60.0
+    work = 5
+
+    def __init__(self, params: LaserGraphParams, *, name: str, seed: int = 0) -> None:
+        super().__init__(params, name=name, seed=seed)
+        self._tracker = Tracker()
+        self._stamps: list[float] = []
+        self._odometry: list[Floats] = []  # x_m, y_m, heading_rad at each stamp
+        self._odometry_revision = 0  # the last one taken
+        self._at: list[int] = []  # reading at which each keyframe was taken
+        self._scans: list[LaserScan] = []
+        self._stretches = Stretches()
+
+    def activate(self, trigger: Entry[Any], board: Access) -> None:
+        self._take_odometry(board, trigger.stamp_s)
+        robot = board.newest(ROBOT)
+        if isinstance(trigger.value, Pose) or robot is None or not self._odometry or not self._moved():
+            return
+        laser = laser_of(robot.value, trigger.value.laser)
+        start = self._odometry[self._at[-1]] if self._at else self._odometry[-1]
+        scan = scan_points(trigger.value, laser.mount, self.params.longest_m)
+        found = self._tracker.add(scan, between(start, self._odometry[-1]))
+        if not self._at:  # the map begins where odometry does
+            found = self._tracker.poses[0] = self._odometry[-1].copy()
+        self._at.append(len(self._odometry) - 1)
+        self._scans.append(trigger.value)
+        self._stretches.add((trigger,))
+        map_from_odom = _pose(found) @ _pose(self._odometry[-1]).inverse()
+        board.post(MAP_FROM_ODOM, map_from_odom, supports=[trigger], stamp_s=trigger.stamp_s)
+
+    def _take_odometry(self, board: Access, until_s: float) -> None:
+        """Take what odometry said up to a stamp: of the readings that came together, no scan may see later ones."""
+        newest = board.newest(ODOM_FROM_ROBOT)
+        if newest is None or newest.revision == self._odometry_revision:
+            return
+        for entry in board.revisions(Support(newest.key, self._odometry_revision + 1, newest.revision)):
+            if entry.stamp_s > until_s:
+                break
+            self._odometry_revision = entry.revision
+            self._stamps.append(entry.stamp_s)
+            self._odometry.append(_array(entry.value))
+            self._stretches.add((entry,))
+
+    def finish(self, board: Access) -> None:
+        robot = board.newest(ROBOT)
+        if robot is None or len(self._at) < 2:
+            return
+        solution = solve(self._tracker)
+        path = bend(np.array(self._odometry), np.array(self._at), solution.poses, solution.model)
+        value = CorrectedPath(
+            poses=pack_array(np.column_stack([np.array(self._stamps), path])),
+            closures=solution.closures,
+            candidates=solution.candidates,
+            closed=solution.closed,
+        )
+        supports = self._stretches.supports()
+        entry = board.post(CORRECTED_PATH, value, supports=supports)
+        self._post_grid(solution.poses, robot.value, entry, board)
+
+    def _post_grid(self, keyframes: Floats, robot: RobotDescription, path: Entry[CorrectedPath], board: Access) -> None:
+        grid = EvidenceGrid(EouGridParams())
+        for scan, pose in zip(self._scans, keyframes, strict=True):
+            grid.fold(scan, robot, _pose(pose))
+        for tile in grid.take_changed():
+            board.post(GRID, tile, id=tile_id(tile), supports=[path])
+
+    def _moved(self) -> bool:
+        if not self._at:
+            return True
+        last, now = self._odometry[self._at[-1]], self._odometry[-1]
+        far = float(np.hypot(*(now - last)[:2])) >= self.params.step_m
+        return far or abs(wrap_angle(float(now[2] - last[2]))) >= self.params.turn_rad
+
+
+def _array(pose: Pose) -> Floats:
+    return np.array([pose.x_m, pose.y_m, pose.heading_rad])
+
+
+def _pose(array: Floats) -> Pose:
+    return Pose(x_m=float(array[0]), y_m=float(array[1]), heading_rad=wrap_angle(float(array[2])))

@@ -1,0 +1,58 @@
+"""The laser graph on whole drives: a simulated one with slipping wheels, and a real recording."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blackboard.command.main import main
+from blackboard.kinds import CORRECTED_PATH, GRID
+from blackboard.mission import find_mission, load_mission, shipped_missions
+from blackboard.runner import Run, RunOptions
+
+SHARED = Path(__file__).resolve().parents[4] / "shared"
+INTEL = SHARED / "data" / "laser" / "intel.log.gz"
+
+
+def laser_mission(folder: Path) -> Path:
+    """Write explore-lab with a laser, wheels that slip, and the laser graph as its only map builder."""
+    text = find_mission("explore-lab").read_text()
+    head, tail = text.partition("# Knowledge sources")[0], text.partition("# Behaviours")[2]
+    sources = shipped_missions()["map-recording-laser"].read_text().partition("[[knowledge_source]]")
+    path = folder / "laser.toml"
+    path.write_text(head + sources[1] + sources[2] + "\n#" + tail)
+    return path
+
+
+def test_slipping_wheels_are_corrected(tmp_path: Path) -> None:
+    settings = {"robot": {"robot": "pioneer", "odometry_errors": True}}
+    run = Run(load_mission(laser_mission(tmp_path), settings), RunOptions(seed=2, strict=True))
+    run.run(120)
+    truth = run.true_trajectory()
+    corrected = run.board.newest(CORRECTED_PATH)
+    assert truth is not None
+    assert corrected is not None
+    path = corrected.value.poses.unpack()
+    odometry = np.array([np.interp(truth[:, 0], path[:, 0], path[:, i]) for i in (1, 2)]).T
+    error = np.hypot(*(odometry - truth[:, 1:3]).T)
+    assert error.mean() < 0.05
+    assert error.max() < 0.15
+    assert corrected.value.closed
+    assert len(run.board.entries(GRID)) > 4
+    assert {support.key.rpartition("/")[2] for support in corrected.supports} == {"odom_from_robot", "laser_scan"}
+
+
+@pytest.mark.skipif(not INTEL.exists(), reason=f"{INTEL} is absent")
+def test_intel_closes(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main(["map", str(INTEL), "--mission", "map-recording-laser", "--out", str(out)]) == 0
+    relations = SHARED / "data" / "relations" / "intel.relations"
+    tool = [sys.executable, SHARED / "tools" / "relations.py", out / "trajectory.tum", relations]
+    done = subprocess.run([*tool, "--odometry", INTEL, "--json"], capture_output=True, text=True, check=True)
+    score = json.loads(done.stdout)
+    assert score["used"] == score["of"]
+    assert score["trans_mean_m"] < 0.10
+    assert score["clear_trans_mean_m"] < 0.05
