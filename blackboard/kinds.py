@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 from blackboard.errors import BoardError
 from blackboard.key_expressions import is_chunk
-from blackboard.messages import control, mapping, model, motion, sensing, world
+from blackboard.messages import control, mapping, model, motion, sensing, symbols, world
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
 
@@ -89,6 +89,10 @@ POSE_ESTIMATE = slot("hypotheses/feature/pose_estimate", model.PoseEstimate, "ma
 RE_REFERENCE = slot("hypotheses/feature/re_reference", model.ReReference, "what a batch of matches makes of the pose")
 NEW_AREA_VISITED = collection("hypotheses/symbol/new_area_visited", model.NewAreaVisited, "a line that matched nothing")
 POSE_CONFLICT = collection("hypotheses/symbol/pose_conflict", model.PoseConflict, "a jump of the pose that was refused, id <batch>")
+CORNER = collection("hypotheses/symbol/corner", symbols.Corner, "where two lines meet or nearly meet")
+LINE_RELATION = collection("hypotheses/symbol/line_relation", symbols.LineRelation, "lines that are parallel or collinear")
+TARGET = collection("hypotheses/symbol/target", symbols.Target, "a place worth a visit", shared=True)
+TRAP = collection("hypotheses/symbol/trap", symbols.Trap, "where reflexes alone would stay", shared=True)
 ROBOT = slot("status/robot", sensing.RobotDescription, "body and sensors of the robot")
 COMPONENT = collection("status/component", control.ComponentStatus, "whether a component works", shared=True)
 BEHAVIOUR = collection("status/behaviour", motion.BehaviourStatus, "where a behaviour stands", shared=True)
