@@ -74,7 +74,10 @@ def search(field: Field, points: Floats, guess: Floats, window: Window, best: in
     turns = _steps(window.turn_rad, max(turn_step, 0.02))
     shift = ceil(window.shift_m / coarse_m)
     sums = _sums(field.coarse, field.origin, coarse_m, points, guess, turns, shift)
-    order = np.argsort(-sums, axis=None, kind="stable")[:best]
+    flat = sums.reshape(-1)
+    least = np.partition(flat, -best)[-best] if len(flat) > best else -1.0
+    order = np.flatnonzero(flat >= least)
+    order = order[np.argsort(-flat[order], kind="stable")][:best]
     winner, top = guess, -1.0
     fine_turns = _steps(float(turns[1] - turns[0]) / 2 if len(turns) > 1 else 0.0, max(turn_step / COARSE, 0.005))
     side = 2 * shift + 1

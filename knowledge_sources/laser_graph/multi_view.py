@@ -26,7 +26,7 @@ def near_pairs(poses: Floats, near_m: float = NEAR_M) -> tuple[Indices, Indices]
 
 
 def settle(
-    scans: list[ScanPoints], poses: Floats, odometry: Edges, reaches_m: tuple[float, ...], every: int = 2
+    scans: list[ScanPoints], poses: Floats, odometry: Edges, reaches_m: tuple[float, ...], every: int = 3
 ) -> Floats:
     """Return the poses (n, 3) at which near scans lie on each other's lines; one iteration for each reach.
 

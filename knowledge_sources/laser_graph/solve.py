@@ -15,6 +15,8 @@ from knowledge_sources.laser_graph.poses import Floats, between
 # how near a place must seem to be one met again, how far off it is searched (m, rad), and every how manieth scan is tried:
 # wide and sparse while the drive has not closed, narrow and dense once it has
 ROUNDS = ((4.0, 3.0, 0.5, 2), (3.0, 1.5, 0.3, 2), (3.0, 0.8, 0.2, 1), (3.0, 0.4, 0.1, 1))
+# once closed, a round is left out whose window is so much wider than the round before moved any pose; the last never is
+LEAVE_OUT = 3.0
 SETTLING = ((0.5, 0.3), (0.2, 0.2), (0.1, 0.1))  # reaches of the neighbours, m
 STEP_DOUBT = 10.0  # neighbouring points of a scan err together: a step's information counts by a tenth
 CLOSED_FRACTION = 0.3  # of the candidates must agree with their neighbours: after a false start it is a tenth
@@ -41,8 +43,12 @@ def solve(tracker: Tracker) -> Solution:
     count = len(poses)
     steps = np.arange(count - 1)
     tracked, information = between(poses[:-1], poses[1:]), np.array(tracker.information) / STEP_DOUBT
-    pairs, found = 0, 0
+    pairs, found, moved_m = 0, 0, np.inf
     for near_m, shift_m, turn_rad, every in ROUNDS:
+        closed = found >= CLOSED_FRACTION * pairs
+        if closed and shift_m > LEAVE_OUT * moved_m and shift_m > ROUNDS[-1][1]:
+            continue
+        before = poses
         tried = candidates(poses, near_m, every)
         closures = agreeing(match_all(tracker.scans, poses, tried, Window(shift_m=shift_m, turn_rad=turn_rad)), poses)
         pairs, found = len(tried), len(closures)
@@ -56,6 +62,7 @@ def solve(tracker: Tracker) -> Solution:
                 np.concatenate([np.zeros(count - 1, np.bool_), np.ones(found, np.bool_)]),
             ),
         )
+        moved_m = float(np.hypot(*(poses - before)[:, :2].T).max())
     model = fit_odometry(pieces, between(poses[:-1], poses[1:]))
     sigmas = model.sigmas(np.hypot(pieces[:, 0], pieces[:, 1]), np.abs(pieces[:, 2]))
     odometry = Edges(

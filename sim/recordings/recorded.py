@@ -41,6 +41,7 @@ from sim.robot_file import RobotModel, load_robot
 S = TypeVar("S", SonarSensor, LaserSensor)
 
 MAX_CONES = 256
+APART_S = 1e-6  # between poses of one stamp: the least that trajectory files tell apart
 STANDING = Odometry(pose=Pose(x_m=0.0, y_m=0.0, heading_rad=0.0))
 BODY = RobotDescription(  # for what recordings do not tell; a robot file tells it
     name="recorded", radius_m=0.25, max_speed_mps=1.0, max_turn_radps=2.0, max_acceleration_mps2=1.0
@@ -89,7 +90,7 @@ class RecordedRobot(Robot[RecordedRobotParams]):
         if self._standing:
             self._notes.append("no odometry in the recording: the robot is taken to stand still")
         self._cone_of_beams: dict[tuple[int, Fan], npt.NDArray[np.intp]] = {}
-        self._newest_s: dict[str, float] = {}
+        self._newest_s: dict[str, tuple[float, float]] = {}  # of each kind: as told, as given
         self._held: Iterator[Heard] = iter(())
         self._replay = self._recording.replay()
         self._now_s = -np.inf
@@ -195,12 +196,19 @@ class RecordedRobot(Robot[RecordedRobotParams]):
             yield self._reading(SONAR_SCAN, stamp_s, scan)
 
     def _reading(self, kind: Kind[Any], stamp_s: float, value: Any) -> Reading[Any]:
-        """Return a reading whose stamp does not run back: several sensors of a kind may come with different delays."""
-        newest_s = self._newest_s.get(kind.path, stamp_s)
-        if stamp_s < newest_s and value is not STANDING:
+        """Return a reading whose stamp does not run back: several sensors of a kind may come with different delays.
+
+        Poses that bear one stamp are told apart in the file's order, and what came with one of them bears the stamp given to it.
+        """
+        told_s, given_s = self._newest_s.get(kind.path, (stamp_s, -np.inf))
+        if stamp_s < told_s and value is not STANDING:
             self._recording.counts["stamps_repaired"] += 1
-        self._newest_s[kind.path] = max(stamp_s, newest_s)
-        return Reading(kind, self._newest_s[kind.path], value)
+        moves = kind is ODOMETRY and value is not STANDING
+        posed_told_s, posed_given_s = self._newest_s.get(ODOMETRY.path, (-np.inf, -np.inf))
+        least_s = posed_given_s if stamp_s == posed_told_s else stamp_s
+        newest_s = max(stamp_s, given_s + APART_S if moves else max(given_s, least_s))
+        self._newest_s[kind.path] = (max(stamp_s, told_s), newest_s)
+        return Reading(kind, newest_s, value)
 
     def _laser_scan(self, sweep: Sweep) -> LaserScan:
         ranges = _cut(sweep.ranges, self._description.lasers[sweep.laser].max_range_m)

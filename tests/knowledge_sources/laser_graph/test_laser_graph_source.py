@@ -54,5 +54,5 @@ def test_intel_closes(tmp_path: Path) -> None:
     done = subprocess.run([*tool, "--odometry", INTEL, "--json"], capture_output=True, text=True, check=True)
     score = json.loads(done.stdout)
     assert score["used"] == score["of"]
-    assert score["trans_mean_m"] < 0.10
+    assert score["trans_mean_m"] < 0.06
     assert score["clear_trans_mean_m"] < 0.05

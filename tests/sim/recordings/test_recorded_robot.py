@@ -1,6 +1,7 @@
 """A recording as a robot: clock, latencies, cones, body, figures."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from math import inf, nan, pi, radians
 from pathlib import Path
 from typing import Any
@@ -48,6 +49,20 @@ def test_pieces_add_up_to_the_whole(log: Path) -> None:
         for i in range(60):
             pieces += recorded.advance(1000.0 + i * step_s)
         assert pieces == whole
+
+
+def test_poses_of_one_stamp_are_told_apart_in_the_files_order(tmp_path: Path, small_log: list[str]) -> None:
+    lines = [line.replace("1000.400000", "1000.500000").replace("1000.600000", "1000.500000") for line in small_log]
+    path = tmp_path / "ties.log"
+    path.write_text("\n".join(lines))
+    heard = list(robot(path).advance(1000.55))
+    poses = [(r.stamp_s, r.value.pose.x_m) for r in heard if r.kind is ODOMETRY]
+    assert all(b[0] - a[0] > 0.5e-6 for a, b in pairwise(poses))
+    tied = [r for r in heard if r.stamp_s > 1000.45]
+    assert [r.stamp_s for r in tied] == pytest.approx([1000.5] * len(tied), abs=1e-5)
+    scan = next(i for i, r in enumerate(tied) if r.kind is LASER_SCAN)
+    assert tied[scan].stamp_s == tied[scan - 1].stamp_s
+    assert tied[scan + 1].stamp_s > tied[scan].stamp_s
 
 
 def test_scan_and_description_of_a_log(log: Path) -> None:
