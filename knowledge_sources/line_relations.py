@@ -1,0 +1,128 @@
+"""How lines lie to each other: parallel pairs (the walls of a corridor) and collinear pairs (a wall with a door in it).
+
+Triggered by  observations/feature/line or hypotheses/feature/model_line    Line, ModelLine: at most once in an interval
+Posts         hypotheses/symbol/line_relation/<wall>-<wall>                 LineRelation
+
+Source: Bou-Ghannam 1992, section 4.4: the object-indexed representation tells features by how they lie to each other.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import cos, hypot, radians, sin
+from typing import Any
+
+from blackboard.access import Access
+from blackboard.component import KnowledgeSource, Trigger
+from blackboard.entry import Entry
+from blackboard.kinds import LINE_RELATION
+from blackboard.messages.geometry import Point, wrap_angle
+from blackboard.messages.symbols import LineRelation
+from blackboard.parameters import require
+from knowledge_sources.line_kinds import Lines, line_kind
+from knowledge_sources.standing_hypotheses import Found, StandingHypotheses
+from knowledge_sources.walls import Wall, WallLimits, Walls
+
+SUPPORTS_A_LINE = 4
+CHANGED_M = 0.05  # a smaller change is noise and no revision
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineRelationsParams:
+    """Which lines, how often, and how alike two must run."""
+
+    lines: Lines = "observed"  # "model" where match/merge keeps a model of lines
+    interval_s: float = 10.0
+    angle_rad: float = radians(4.0)  # walls of a building differ by less, and short lines are tilted by as much
+    least_m: float = 0.5  # shorter lines say too little about their direction
+    shared_m: float = 0.5  # of two parallel lines, side by side
+    distance_m: float = 4.0  # between parallel lines: a wide corridor; all walls of a house are parallel somehow
+    offset_m: float = 0.10  # between the carriers of collinear lines
+    gap_m: float = 3.0  # between the ends of collinear lines: a double door
+    wall_limits: WallLimits = field(init=False)
+
+    def __post_init__(self) -> None:
+        require(0.0 <= self.interval_s <= 3600.0, "interval_s", self.interval_s, "[0, 3600] seconds")
+        require(0.0 < self.angle_rad <= radians(30.0), "angle_rad", self.angle_rad, "(0, 30] degrees")
+        for name in ("least_m", "shared_m", "distance_m", "offset_m", "gap_m"):
+            require(0.0 <= getattr(self, name) <= 1000.0, name, getattr(self, name), "[0, 1000] metres")
+        object.__setattr__(self, "wall_limits", WallLimits())
+
+
+def relation(a: Wall, b: Wall, params: LineRelationsParams) -> LineRelation | None:
+    """Return how two walls lie to each other; None where they are neither parallel nor collinear."""
+    angle = abs(wrap_angle(2 * (a.theta_rad - b.theta_rad))) / 2
+    if angle > params.angle_rad or 2 * min(a.half_length_m, b.half_length_m) < params.least_m:
+        return None
+    c, s = cos(a.theta_rad), sin(a.theta_rad)
+    dx, dy = b.x_m - a.x_m, b.y_m - a.y_m
+    along, across = dx * c + dy * s, abs(dy * c - dx * s)
+    half_b = b.half_length_m * cos(angle)
+    low, high = max(-a.half_length_m, along - half_b), min(a.half_length_m, along + half_b)
+    keys = (a.entries[0].key, b.entries[0].key)
+    if params.offset_m < across <= params.distance_m and high - low >= params.shared_m:
+        middle, out = (low + high) / 2, (dy * c - dx * s) / 2
+        place = Point(x_m=a.x_m + middle * c - out * s, y_m=a.y_m + middle * s + out * c)
+        return LineRelation(
+            relation="parallel", place=place, angle_rad=angle, distance_m=across, shared_m=high - low, lines=keys
+        )
+    if across <= params.offset_m and 0.0 < low - high <= params.gap_m:
+        middle = (low + high) / 2
+        place = Point(x_m=a.x_m + middle * c, y_m=a.y_m + middle * s)
+        return LineRelation(
+            relation="collinear", place=place, angle_rad=angle, distance_m=across, gap_m=low - high, lines=keys
+        )
+    return None
+
+
+def relations(walls: Sequence[Wall], params: LineRelationsParams) -> dict[str, tuple[LineRelation, Wall, Wall]]:
+    """Return the relations of all pairs, by id."""
+    found = {}
+    for i, a in enumerate(walls):
+        for b in walls[i + 1 :]:
+            value = relation(a, b, params)
+            if value is not None:
+                found[f"{a.number}-{b.number}"] = (value, a, b)
+    return found
+
+
+def differs(a: LineRelation, b: LineRelation) -> bool:
+    """Say whether a relation has changed by more than noise."""
+    return a.relation != b.relation or any(
+        change > CHANGED_M
+        for change in (
+            abs(a.distance_m - b.distance_m),
+            abs(a.shared_m - b.shared_m),
+            abs(a.gap_m - b.gap_m),
+            hypot(a.place.x_m - b.place.x_m, a.place.y_m - b.place.y_m),
+        )
+    )
+
+
+class LineRelations(KnowledgeSource[LineRelationsParams]):
+    """Keeps a hypothesis for each pair of walls that run alike."""
+
+    Params = LineRelationsParams
+    posts = (LINE_RELATION,)
+    rating = 2.0
+    work = 5
+
+    def __init__(self, params: LineRelationsParams, *, name: str, seed: int = 0) -> None:
+        super().__init__(params, name=name, seed=seed)
+        self._kind = line_kind(params.lines)
+        self.triggers = (Trigger(kind=self._kind, min_interval_s=params.interval_s),)
+        self._walls = Walls(params.wall_limits)
+        self._standing = StandingHypotheses(LINE_RELATION, differs)
+
+    def activate(self, trigger: Entry[Any], board: Access) -> None:
+        self._look(board)
+
+    def finish(self, board: Access) -> None:
+        self._look(board)
+
+    def _look(self, board: Access) -> None:
+        found = relations(self._walls.update(board.entries(self._kind)), self.params)
+        kept = {
+            id_: Found(value, [*a.entries[:SUPPORTS_A_LINE], *b.entries[:SUPPORTS_A_LINE]])
+            for id_, (value, a, b) in found.items()
+        }
+        self._standing.keep(board, kept, lambda _: "its lines run so no more")

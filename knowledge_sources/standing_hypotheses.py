@@ -1,0 +1,78 @@
+"""Keeping a source's hypotheses on the board in step with what it finds: posted, revised when they change, denied when gone."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import hypot
+from typing import Any, Generic, TypeVar
+
+from blackboard.access import Access
+from blackboard.entry import Entry
+from blackboard.kinds import Kind
+from blackboard.messages.base import Message
+
+M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True, slots=True)
+class Found(Generic[M]):
+    """A hypothesis that holds now, what it stands on, and what speaks for it."""
+
+    value: M
+    supports: Sequence[Entry[Any]]
+    why: str = ""
+
+
+class StandingHypotheses(Generic[M]):
+    """The hypotheses of one kind that a source keeps; `differs` says when a change is worth a revision."""
+
+    def __init__(self, kind: Kind[M], differs: Callable[[M, M], bool]) -> None:
+        self._kind = kind
+        self._differs = differs
+        self._said: dict[str, str] = {}  # by id: the newest reason given
+
+    def keep(self, board: Access, found: Mapping[str, Found[M]], gone: Callable[[M], str]) -> None:
+        """Make what stands on the board what was found; what is not found any more is endorsed against, then retracted."""
+        for id_ in [i for i in self._said if i not in found]:
+            entry = board.newest(self._kind, id_)
+            if entry is not None:
+                board.endorse(entry, "against", gone(entry.value))
+                board.retract(self._kind, id_)
+            del self._said[id_]
+        for id_, new in found.items():
+            standing = board.newest(self._kind, id_)
+            if standing is None or self._differs(standing.value, new.value):
+                standing = board.post(self._kind, new.value, id=id_, supports=new.supports)
+            if new.why and self._said.get(id_) != new.why:
+                board.endorse(standing, "for", new.why)
+            self._said[id_] = new.why
+
+
+class Names:
+    """Names for places that are found again and again: the nearest within `reach_m` keeps its name, a new one gets the next."""
+
+    def __init__(self, prefix: str, reach_m: float) -> None:
+        self._prefix = prefix
+        self._reach_m = reach_m
+        self._places: dict[str, tuple[float, float]] = {}
+        self._next = 1
+
+    def name(self, places: Sequence[tuple[float, float]]) -> list[str]:
+        """Return a name for each place; names of places not among them are given up."""
+        pairs = sorted(
+            (distance, name, i)
+            for name, old in self._places.items()
+            for i, place in enumerate(places)
+            if (distance := hypot(place[0] - old[0], place[1] - old[1])) <= self._reach_m
+        )
+        names: dict[int, str] = {}
+        taken: dict[str, None] = {}
+        for _, name, i in pairs:
+            if i not in names and name not in taken:
+                names[i] = name
+                taken[name] = None
+        for i in range(len(places)):
+            if i not in names:
+                names[i] = f"{self._prefix}-{self._next}"
+                self._next += 1
+        self._places = {names[i]: place for i, place in enumerate(places)}
+        return [names[i] for i in range(len(places))]
