@@ -1,0 +1,190 @@
+"""Frontiers between what the grid knows to be empty and what it does not know, and room for a robot to stand before them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import ceil, floor, hypot
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN, Grid
+
+Mask = npt.NDArray[np.bool_]
+NEIGHBOURS = ((0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Frontier:
+    """One piece of frontier: its cells' centre that lies nearest to their mean, and its length."""
+
+    x_m: float
+    y_m: float
+    length_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Standing:
+    """Where a robot can stand in known empty space."""
+
+    x_m: float
+    y_m: float
+
+
+def frontier_mask(grid: Grid, depth_cells: int) -> Mask:
+    """Return the empty cells (rows, columns) beside a block of undecided cells of depth_cells x depth_cells at least.
+
+    Thinner undecided strips are the blurred front of a wall.
+    """
+    cells = grid.cells
+    undecided = (cells > EMPTY_MAX) & (cells < OCCUPIED_MIN)
+    blocks = _widened(_narrowed(undecided, depth_cells), depth_cells)
+    beside = np.zeros_like(blocks)
+    beside[1:] |= blocks[:-1]
+    beside[:-1] |= blocks[1:]
+    beside[:, 1:] |= blocks[:, :-1]
+    beside[:, :-1] |= blocks[:, 1:]
+    mask: Mask = beside & (cells <= EMPTY_MAX)
+    return mask
+
+
+def pieces(mask: Mask) -> list[npt.NDArray[np.int64]]:
+    """Return the connected pieces of a mask (eight neighbours) as cells (n, 2) row, column; by their first cell."""
+    waiting = dict.fromkeys((int(r), int(c)) for r, c in np.argwhere(mask))
+    found = []
+    while waiting:
+        start = next(iter(waiting))
+        del waiting[start]
+        piece, edge = [start], [start]
+        while edge:
+            row, column = edge.pop()
+            for dr, dc in NEIGHBOURS:
+                cell = (row + dr, column + dc)
+                if cell in waiting:
+                    del waiting[cell]
+                    piece.append(cell)
+                    edge.append(cell)
+        found.append(np.array(sorted(piece), dtype=np.int64))
+    return found
+
+
+def frontiers(grid: Grid, least_m: float, depth_cells: int) -> list[Frontier]:
+    """Return the frontiers of at least this length, the lowest first."""
+    found = []
+    for cells in pieces(frontier_mask(grid, depth_cells)):
+        length_m = _length_cells(cells) * grid.cell_m
+        if length_m < least_m:
+            continue
+        away = cells - cells.mean(axis=0)
+        row, column = cells[int(np.argmin((away**2).sum(axis=1)))].tolist()
+        x_m, y_m = cell_centre(grid, row, column)
+        found.append(Frontier(x_m=x_m, y_m=y_m, length_m=length_m))
+    return found
+
+
+def place_to_stand(grid: Grid, x_m: float, y_m: float, radius_m: float, reach_m: float) -> Standing | None:
+    """Return the place nearest to (x, y), within reach_m of it, where a robot of this radius stands on empty cells only."""
+    cell_m = grid.cell_m
+    body = _disc(radius_m / cell_m)
+    size = body.shape[0] // 2
+    span = ceil(reach_m / cell_m) + size
+    column, row = floor((x_m - grid.x_min_m) / cell_m), floor((y_m - grid.y_min_m) / cell_m)
+    blocked = ~_window(grid, row, column, span)
+    side = 2 * (span - size) + 1
+    hit = np.zeros((side, side), dtype=np.bool_)
+    for dr, dc in np.argwhere(body):
+        hit |= blocked[dr : dr + side, dc : dc + side]
+    free = np.argwhere(~hit)
+    if not len(free):
+        return None
+    xs, ys = cell_centre(grid, 0, 0)
+    places = np.stack(
+        [xs + (free[:, 1] + column - (span - size)) * cell_m, ys + (free[:, 0] + row - (span - size)) * cell_m]
+    )
+    distances = np.hypot(places[0] - x_m, places[1] - y_m)
+    best = int(np.argmin(distances))
+    if distances[best] > reach_m:
+        return None
+    return Standing(x_m=float(places[0, best]), y_m=float(places[1, best]))
+
+
+def cell_centre(grid: Grid, row: int, column: int) -> tuple[float, float]:
+    """Return the middle of a cell, map frame."""
+    return grid.x_min_m + (column + 0.5) * grid.cell_m, grid.y_min_m + (row + 0.5) * grid.cell_m
+
+
+def unknown_near(mask: Mask, grid: Grid, x_m: float, y_m: float, reach_m: float) -> float:
+    """Return the length of the frontier within reach_m of a place."""
+    reach = ceil(reach_m / grid.cell_m)
+    column, row = floor((x_m - grid.x_min_m) / grid.cell_m), floor((y_m - grid.y_min_m) / grid.cell_m)
+    r0, c0 = max(row - reach, 0), max(column - reach, 0)
+    near = np.argwhere(mask[r0 : max(row + reach + 1, 0), c0 : max(column + reach + 1, 0)]) + np.array([r0, c0])
+    near = near[np.hypot(near[:, 0] - row, near[:, 1] - column) <= reach]
+    return float(len(near)) * grid.cell_m
+
+
+def merged(places: Iterable[tuple[float, float]], reach_m: float) -> list[list[tuple[float, float]]]:
+    """Return the places in groups: each joins the first group whose mean lies within reach_m, or starts one."""
+    groups: list[list[tuple[float, float]]] = []
+    for x, y in places:
+        for group in groups:
+            if hypot(x - sum(p[0] for p in group) / len(group), y - sum(p[1] for p in group) / len(group)) <= reach_m:
+                group.append((x, y))
+                break
+        else:
+            groups.append([(x, y)])
+    return groups
+
+
+def _length_cells(cells: npt.NDArray[np.int64]) -> int:
+    """Return how far a piece spreads: the longer side of its box, a diagonal one counted by its length."""
+    spread = np.ptp(cells, axis=0) + 1
+    return round(float(np.hypot(*(spread - 1))) + 1)
+
+
+def _window(grid: Grid, row: int, column: int, span: int) -> Mask:
+    """Return which cells within span of a cell are empty; outside the grid none is."""
+    side = 2 * span + 1
+    window = np.zeros((side, side), dtype=np.bool_)
+    rows, columns = grid.cells.shape
+    r0, r1, c0, c1 = (
+        max(row - span, 0),
+        min(row + span + 1, rows),
+        max(column - span, 0),
+        min(column + span + 1, columns),
+    )
+    if r0 < r1 and c0 < c1:
+        part: Any = grid.cells[r0:r1, c0:c1] <= EMPTY_MAX
+        window[r0 - row + span : r1 - row + span, c0 - column + span : c1 - column + span] = part
+    return window
+
+
+def _disc(radius_cells: float) -> Mask:
+    size = ceil(radius_cells)
+    steps = np.arange(-size, size + 1)
+    disc: Mask = np.hypot(steps[:, None], steps[None, :]) <= radius_cells
+    return disc
+
+
+def _narrowed(mask: Mask, side: int) -> Mask:
+    """Return where a side x side block of true cells has its lower left cell."""
+    out = mask.copy()
+    for step in range(1, side):
+        out[:, :-step] &= mask[:, step:]
+        out[:, -step:] = False
+    rows = out.copy()
+    for step in range(1, side):
+        out[:-step] &= rows[step:]
+        out[-step:] = False
+    return out
+
+
+def _widened(mask: Mask, side: int) -> Mask:
+    """Return all cells of the blocks whose lower left cells are true."""
+    out = mask.copy()
+    for step in range(1, side):
+        out[:, step:] |= mask[:, :-step]
+    columns = out.copy()
+    for step in range(1, side):
+        out[step:] |= columns[:-step]
+    return out

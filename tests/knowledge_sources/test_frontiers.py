@@ -1,0 +1,81 @@
+"""Frontiers on hand-made grids."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from blackboard.grid import Grid
+from knowledge_sources.frontiers import frontier_mask, frontiers, merged, pieces, place_to_stand, unknown_near
+
+
+def room(door: tuple[float, float] | None) -> Grid:
+    """Return a grid with a room from (-1, -1) to (1, 1), walls two cells thick, and a door in the right one."""
+    grid = Grid(0.05)
+    grid.cover(-1.5, -1.5, 1.5, 1.5)
+    xs = grid.x_min_m + (np.arange(grid.cells.shape[1]) + 0.5) * 0.05
+    ys = grid.y_min_m + (np.arange(grid.cells.shape[0]) + 0.5) * 0.05
+    x, y = np.meshgrid(xs, ys)
+    reach = np.maximum(np.abs(x), np.abs(y))
+    grid.cells[reach < 1.1] = 255
+    grid.cells[reach < 1.0] = 0
+    if door is not None:
+        grid.cells[(x > 0) & (reach > 1.0) & (reach < 1.1) & (y > door[0]) & (y < door[1])] = 128
+    return grid
+
+
+def test_a_closed_room_has_no_frontier_and_a_door_is_one() -> None:
+    assert frontiers(room(None), 0.1, 3) == []
+    (found,) = frontiers(room((-0.3, 0.5)), 0.5, 3)
+    assert (found.x_m, found.y_m) == pytest.approx((0.975, 0.1), abs=0.03)
+    assert found.length_m == pytest.approx(0.8)
+    assert frontiers(room((-0.3, 0.5)), 0.9, 3) == []
+
+
+def test_a_thin_undecided_strip_is_no_frontier() -> None:
+    grid = room(None)
+    grid.cells[54:74, 60:62] = 128  # two cells wide
+    assert frontiers(grid, 0.1, 3) == []
+    assert len(frontiers(grid, 0.1, 2)) == 1  # all round it
+
+
+def test_every_frontier_cell_is_empty_and_beside_an_undecided_one() -> None:
+    grid = room((-0.5, 0.5))
+    rows, columns = np.nonzero(frontier_mask(grid, 3))
+    assert len(rows) == 20
+    assert (grid.cells[rows, columns] == 0).all()
+    assert (grid.cells[rows, columns + 1] == 128).all()
+
+
+def test_the_robot_stands_where_all_is_empty_or_nowhere() -> None:
+    grid = room((-0.3, 0.5))
+    stand = place_to_stand(grid, 0.975, 0.1, 0.3, 0.9)
+    assert stand is not None
+    assert stand.x_m == pytest.approx(0.675, abs=0.051)
+    assert abs(stand.y_m - 0.1) < 0.1
+    assert place_to_stand(grid, 0.975, 0.1, 0.3, 0.2) is None  # not so near
+    assert place_to_stand(grid, 0.0, 0.0, 1.1, 5.0) is None  # no room for such a robot
+    assert place_to_stand(grid, 40.0, 40.0, 0.3, 1.0) is None  # far outside
+
+
+def test_the_frontier_around_a_place_is_measured() -> None:
+    grid = room((-0.3, 0.5))
+    mask = frontier_mask(grid, 3)
+    assert unknown_near(mask, grid, 1.0, 0.1, 1.0) == pytest.approx(0.8)
+    assert unknown_near(mask, grid, 1.0, -0.3, 0.2) == pytest.approx(0.2, abs=0.051)
+    assert unknown_near(mask, grid, -1.0, 0.0, 0.5) == 0.0
+    assert unknown_near(mask, grid, -90.0, 0.0, 0.5) == 0.0
+
+
+def test_near_places_are_one_group() -> None:
+    assert merged([(0.0, 0.0), (5.0, 0.0), (0.3, 0.0)], 0.6) == [[(0.0, 0.0), (0.3, 0.0)], [(5.0, 0.0)]]
+
+
+@given(st.lists(st.lists(st.booleans(), min_size=7, max_size=7), min_size=1, max_size=7))
+def test_pieces_share_the_cells_out_and_do_not_touch(rows: list[list[bool]]) -> None:
+    mask = np.array(rows)
+    found = [{(int(r), int(c)) for r, c in piece} for piece in pieces(mask)]
+    assert sum(map(len, found)) == mask.sum()
+    for i, one in enumerate(found):
+        for other in found[i + 1 :]:
+            assert all(max(abs(a - c), abs(b - d)) > 1 for a, b in one for c, d in other)
