@@ -13,6 +13,7 @@ VERBS = {
     "check": "check a mission file without running it",
     "vocabulary": "print every kind of entry, with its JSON Schema",
     "why": "explain an entry of a run, down to the readings",
+    "find": "find objects of a run by kind, place, name or description, and what a place is part of",
     "new": "write a new component to start from",
 }
 EXIT_ERROR = 2
@@ -71,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
-    options = parser.parse_args(given)
+    options = parser.parse_args(_joined(given))
     if options.version:
         from importlib.metadata import version
 
@@ -81,6 +82,17 @@ def _run(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
         parser.print_help()
         return 0
     return int(options.call(options) or 0)
+
+
+def _joined(given: Sequence[str]) -> list[str]:
+    """Return the arguments with a value such as -1,2 joined to its flag: on its own argparse takes it for a flag."""
+    joined: list[str] = []
+    for word in given:
+        if joined and joined[-1].startswith("--") and "=" not in joined[-1] and word[:1] == "-" and "," in word:
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 if __name__ == "__main__":
