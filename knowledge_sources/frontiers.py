@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import ceil, floor, hypot
+from math import ceil, floor, hypot, sqrt
 from typing import Any
 
 import numpy as np
@@ -85,15 +85,18 @@ def frontiers(grid: Grid, least_m: float, depth_cells: int) -> list[Frontier]:
 def place_to_stand(grid: Grid, x_m: float, y_m: float, radius_m: float, reach_m: float) -> Standing | None:
     """Return the place nearest to (x, y), within reach_m of it, where a robot of this radius stands on empty cells only."""
     cell_m = grid.cell_m
-    body = _disc(radius_m / cell_m)
-    size = body.shape[0] // 2
+    widths = _disc_rows(radius_m / cell_m)
+    size = len(widths) // 2
     span = ceil(reach_m / cell_m) + size
     column, row = floor((x_m - grid.x_min_m) / cell_m), floor((y_m - grid.y_min_m) / cell_m)
     blocked = ~_window(grid, row, column, span)
     side = 2 * (span - size) + 1
+    until = np.zeros((2 * span + 1, 2 * span + 2), dtype=np.int32)  # blocked cells of a row, up to each column
+    np.cumsum(blocked, axis=1, out=until[:, 1:])
     hit = np.zeros((side, side), dtype=np.bool_)
-    for dr, dc in np.argwhere(body):
-        hit |= blocked[dr : dr + side, dc : dc + side]
+    for dr, width in enumerate(widths):  # the body row by row
+        rows = until[dr : dr + side]
+        hit |= rows[:, size + width + 1 :][:, :side] > rows[:, size - width :][:, :side]
     free = np.argwhere(~hit)
     if not len(free):
         return None
@@ -159,11 +162,12 @@ def _window(grid: Grid, row: int, column: int, span: int) -> Mask:
     return window
 
 
-def _disc(radius_cells: float) -> Mask:
+def _disc_rows(radius_cells: float) -> list[int]:
+    """Return how many cells a disc reaches to either side of its middle column, row by row."""
     size = ceil(radius_cells)
-    steps = np.arange(-size, size + 1)
-    disc: Mask = np.hypot(steps[:, None], steps[None, :]) <= radius_cells
-    return disc
+    return [
+        floor(sqrt(max(radius_cells**2 - step**2, 0.0))) for step in range(-size, size + 1) if abs(step) <= radius_cells
+    ]
 
 
 def _narrowed(mask: Mask, side: int) -> Mask:

@@ -79,3 +79,23 @@ def test_pieces_share_the_cells_out_and_do_not_touch(rows: list[list[bool]]) -> 
     for i, one in enumerate(found):
         for other in found[i + 1 :]:
             assert all(max(abs(a - c), abs(b - d)) > 1 for a, b in one for c, d in other)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.05, 0.4))
+def test_the_place_to_stand_is_the_nearest_that_touches_nothing(seed: int, radius_m: float) -> None:
+    grid = Grid(0.05)
+    grid.cover(0.0, 0.0, 3.1, 3.1)
+    grid.cells[:] = np.where(np.random.default_rng(seed).random(grid.cells.shape) < 0.01, 255, 0)
+    centres = (np.arange(64) + 0.5) * 0.05
+    x, y = np.meshgrid(centres, centres)
+    outside = (x < radius_m) | (y < radius_m) | (x > 3.2 - radius_m) | (y > 3.2 - radius_m)
+    full = np.stack([x[grid.cells == 255], y[grid.cells == 255]], axis=1)
+    apart = np.hypot(x[..., None] - full[:, 0], y[..., None] - full[:, 1]).min(axis=2, initial=9.0)
+    clear = (apart > radius_m + 1e-9) & ~outside
+    away = np.where(clear, np.hypot(x - 1.6, y - 1.6), 9.0)
+    stand = place_to_stand(grid, 1.6, 1.6, radius_m, 1.0)
+    if away.min() > 1.0:
+        assert stand is None
+    else:
+        assert stand is not None
+        assert np.hypot(stand.x_m - 1.6, stand.y_m - 1.6) == pytest.approx(away.min())
