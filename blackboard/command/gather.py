@@ -8,7 +8,7 @@ import numpy as np
 from blackboard.board import Board
 from blackboard.entry import Entry
 from blackboard.grid import Grid
-from blackboard.kinds import CORRECTED_PATH, GRID, LINE, MODEL_LINE
+from blackboard.kinds import CORNER, CORRECTED_PATH, GRID, LINE, MODEL_LINE, TARGET, TRAP
 from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.messages.model import ModelLine
 from blackboard.messages.world import Line
@@ -32,6 +32,8 @@ def gather(run: Run, title: str) -> RunResult:
         trajectory=trajectory,
         grid=Grid.from_tiles(entry.value for entry in run.board.entries(GRID)),
         lines=lines_of(run.board),
+        corners=[entry.value for entry in run.board.entries(CORNER)],
+        targets=[entry.value for entry in run.board.entries(TARGET)],
         true_trajectory=run.true_trajectory(),
         truth=run.robot.truth(),
     )
@@ -40,7 +42,9 @@ def gather(run: Run, title: str) -> RunResult:
     if corrected is not None:
         path = corrected.value
         table |= {"loops_closed": path.closures, "map_closed": "yes" if path.closed else "not closed: do not trust it"}
-    table |= {"lines": len(result.lines), "posts": run.board.posts}
+    symbols = {"corners": len(result.corners), "targets": len(result.targets), "traps": len(run.board.entries(TRAP))}
+    table |= {"lines": len(result.lines)} | {name: count for name, count in symbols.items() if count}
+    table |= {"posts": run.board.posts}
     table |= score_table(result)
     return replace(result, table=table)
 

@@ -19,6 +19,7 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from blackboard.grid import UNKNOWN
 from blackboard.report import palette
 from blackboard.report.result import RunResult, driven_m, segments
+from blackboard.report.symbols import draw_corner_sample, draw_symbols, draw_target_sample
 from blackboard.report.view import View, colours_over, scale_bar_m, simplified, view_of
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ EDGE_PX = 48
 HEAD_PX = 148
 FOOT_PX = 104
 PATH_SAMPLE_PX = 60  # the legend of a long run on a narrow map must still fit
+CROWDED_ITEMS = 8  # more of them in the legend are written smaller
 TITLE_LETTERS = 48  # as many of the widest kind as fit
 SHAPE = (0.35, 0.9)  # height over width of the map's part
 SMALLEST_ROBOT_PX = 9.0  # radius below which a ring around the robot shows where it stands
@@ -109,6 +111,7 @@ def _draw_map(axes: "Axes", result: RunResult, view: View, px_per_m: float) -> N
         axes.add_collection(
             LineCollection(list(ends), colors=[_rgb(colour)], linewidths=width, capstyle="round", zorder=order)
         )
+    draw_symbols(axes, result, px_per_m)
     if len(path):
         if _moved(result):
             _draw_robot(axes, path[0], result.robot.radius_m, px_per_m, palette.PAPER)
@@ -175,6 +178,10 @@ def _draw_foot(page: "Axes", result: RunResult, px_per_m: float, view: View) -> 
         items += [_Item(26, name, _swatch(colour)) for name, colour in swatches]
     if result.lines:
         items.append(_Item(44, "line", _draw_line_sample))
+    if result.corners:
+        items.append(_Item(20, "corner", draw_corner_sample))
+    if result.targets:
+        items.append(_Item(24, "target", draw_target_sample))
     if len(result.trajectory) > 1:
         span_s = float(result.trajectory[-1, 0] - result.trajectory[0, 0])
         items.append(_Item(PATH_SAMPLE_PX, f"path, 0 to {_duration(span_s)}", _draw_path_sample))
@@ -182,11 +189,15 @@ def _draw_foot(page: "Axes", result: RunResult, px_per_m: float, view: View) -> 
         if _moved(result):
             items.append(_Item(34, "start", _robot_sample(palette.PAPER)))
         items.append(_Item(34, "end" if _moved(result) else "robot", _robot_sample(palette.ROBOT_COLOUR)))
+    crowded = len(items) > CROWDED_ITEMS
     texts = [
-        page.text(0, FOOT_PX / 2, i.label, fontsize=9, color=_rgb(palette.INK), va="center_baseline") for i in items
+        page.text(
+            0, FOOT_PX / 2, i.label, fontsize=7.5 if crowded else 9, color=_rgb(palette.INK), va="center_baseline"
+        )
+        for i in items
     ]
     widths_px = [text.get_window_extent().width for text in texts]
-    gap_px = 14.0
+    gap_px = 9.0 if crowded else 14.0
     used_px = sum(widths_px) + sum(i.width_px + gap_px for i in items)
     room_px = (WIDTH_PX - 2 * EDGE_PX - used_px) / max(1, len(items) - 1)
     x_px = float(EDGE_PX)

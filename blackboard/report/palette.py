@@ -13,6 +13,8 @@ UNKNOWN_COLOUR: Colour = (218, 223, 229)
 OCCUPIED_COLOUR: Colour = (38, 48, 61)
 LINE_COLOUR: Colour = (213, 94, 0)  # vermilion of Okabe and Ito (2008)
 PATH_COLOURS: tuple[Colour, ...] = ((134, 197, 238), (0, 114, 178), (20, 28, 84))  # from first to last pose
+CORNER_COLOUR: Colour = (204, 121, 167)  # reddish purple of Okabe and Ito
+TARGET_COLOUR: Colour = (0, 158, 115)  # bluish green
 ROBOT_COLOUR: Colour = (240, 196, 25)
 EMPTY_GREY, UNKNOWN_GREY, OCCUPIED_GREY = 254, 205, 20
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from blackboard.component import WorldTruth
 from blackboard.entry import Entry
 from blackboard.messages.sensing import RobotDescription
+from blackboard.messages.symbols import Corner, Target
 from blackboard.messages.world import Line
 
 Trajectory = npt.NDArray[np.float64]  # (n, 4): stamp_s, x_m, y_m, heading_rad, map frame
@@ -47,6 +48,8 @@ class RunResult:
     trajectory: Trajectory
     grid: GridView | None = None
     lines: Sequence[Entry[Line]] = ()
+    corners: Sequence[Corner] = ()
+    targets: Sequence[Target] = ()
     true_trajectory: Trajectory | None = None
     truth: WorldTruth | None = None
     table: Mapping[str, float | int | str] = field(default_factory=dict)
