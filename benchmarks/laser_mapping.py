@@ -22,7 +22,7 @@ def main() -> None:
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "map"
-        run = [
+        run: list[str | Path] = [
             sys.executable,
             "-m",
             "blackboard.command.main",
@@ -35,7 +35,7 @@ def main() -> None:
         ]
         subprocess.run(run, env=environment, check=True)
         used = resource.getrusage(resource.RUSAGE_CHILDREN)
-        score = [
+        score: list[str | Path] = [
             sys.executable,
             SHARED / "tools" / "relations.py",
             out / "trajectory.tum",
