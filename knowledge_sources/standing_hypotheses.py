@@ -28,23 +28,23 @@ class StandingHypotheses(Generic[M]):
     def __init__(self, kind: Kind[M], differs: Callable[[M, M], bool]) -> None:
         self._kind = kind
         self._differs = differs
-        self._said: dict[str, str] = {}  # by id: the newest reason given
+        self._kept: dict[str, None] = {}  # ids
 
     def keep(self, board: Access, found: Mapping[str, Found[M]], gone: Callable[[M], str]) -> None:
         """Make what stands on the board what was found; what is not found any more is endorsed against, then retracted."""
-        for id_ in [i for i in self._said if i not in found]:
+        for id_ in [i for i in self._kept if i not in found]:
             entry = board.newest(self._kind, id_)
             if entry is not None:
                 board.endorse(entry, "against", gone(entry.value))
                 board.retract(self._kind, id_)
-            del self._said[id_]
+            del self._kept[id_]
         for id_, new in found.items():
             standing = board.newest(self._kind, id_)
             if standing is None or self._differs(standing.value, new.value):
                 standing = board.post(self._kind, new.value, id=id_, supports=new.supports)
-            if new.why and self._said.get(id_) != new.why:
+            if new.why and not any(e.who == board.name and e.why == new.why for e in standing.endorsements):
                 board.endorse(standing, "for", new.why)
-            self._said[id_] = new.why
+            self._kept[id_] = None
 
 
 class Names:

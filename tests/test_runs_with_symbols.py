@@ -142,3 +142,16 @@ def test_find_tells_where_things_are_and_what_a_place_is_part_of(
     cell = json.loads(capsys.readouterr().out)
     assert cell["state"] == "occupied"
     assert {o["kind"] for o in cell["part_of"]} == {"observations/feature/line"}
+
+
+def test_the_u_in_the_world_of_traps_is_found() -> None:
+    mission = load_mission(find_mission("explore-lab-symbols"), {"robot": {"world": "trap"}})
+    run = Run(mission, RunOptions(strict=True))
+    run.run(200.0)
+    run.robot.close()
+    found = [e.value for e in run.board.entries(TRAP) if e.value.trap == "u-shape"]
+    assert len(found) == 1
+    assert (found[0].place.x_m, found[0].place.y_m) == pytest.approx(
+        (4.45, 4.05), abs=0.2
+    )  # 2.1 m deep, within its walls
+    assert found[0].size_m == pytest.approx(2.75, abs=0.1)

@@ -1,6 +1,36 @@
-"""Names of places that are found again."""
+"""Hypotheses kept in step with what is found; names of places that are found again."""
 
-from knowledge_sources.standing_hypotheses import Names
+from blackboard.access import Access
+from blackboard.board import Board
+from blackboard.entry import Support
+from blackboard.kinds import TRAP
+from blackboard.messages.geometry import Point
+from blackboard.messages.symbols import Trap
+from blackboard.vocabulary import Vocabulary
+from knowledge_sources.standing_hypotheses import Found, Names, StandingHypotheses
+
+
+def trap(size_m: float) -> Trap:
+    return Trap(trap="u-shape", place=Point(x_m=1.0, y_m=2.0), size_m=size_m)
+
+
+def test_posted_revised_when_it_differs_denied_when_gone() -> None:
+    board = Board(Vocabulary())
+    access = Access(board, "me", (), (TRAP,))
+    kept: StandingHypotheses[Trap] = StandingHypotheses(TRAP, lambda a, b: abs(a.size_m - b.size_m) > 0.5)
+    for size_m, why in ((1.0, "so"), (1.1, "so"), (1.2, "thus"), (1.3, "so"), (2.0, "")):
+        kept.keep(access, {"a": Found(trap(size_m), (), why)}, lambda t: f"{t.size_m} is no more")
+    (entry,) = board.entries(TRAP)
+    assert entry.value.size_m == 2.0  # the smaller changes were no revision
+    assert [e.why for e in entry.endorsements] == ["so", "thus"]  # each reason once
+    kept.keep(access, {}, lambda t: f"{t.size_m} is no more")
+    assert board.entries(TRAP) == []
+    last = board.history.revisions(Support(entry.key, 1, 99))[-1]
+    assert last.event == "retracted"
+    assert [(e.verdict, e.why) for e in last.endorsements][-1] == ("against", "2.0 is no more")
+    kept.keep(access, {"a": Found(trap(3.0), (), "so")}, lambda t: "gone")
+    (entry,) = board.entries(TRAP)
+    assert [e.why for e in entry.endorsements] == ["so"]  # a new life
 
 
 def test_the_nearest_keeps_its_name() -> None:
