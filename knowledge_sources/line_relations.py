@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from math import cos, hypot, radians, sin
 from typing import Any
 
+import numpy as np
+
 from blackboard.access import Access
 from blackboard.component import KnowledgeSource, Trigger
 from blackboard.entry import Entry
@@ -76,12 +78,16 @@ def relation(a: Wall, b: Wall, params: LineRelationsParams) -> LineRelation | No
 
 def relations(walls: Sequence[Wall], params: LineRelationsParams) -> dict[str, tuple[LineRelation, Wall, Wall]]:
     """Return the relations of all pairs, by id."""
+    if len(walls) < 2:
+        return {}
+    theta = np.array([w.theta_rad for w in walls])
+    alike = np.abs(np.sin(theta[:, None] - theta[None, :])) <= sin(params.angle_rad) + 1e-9  # leaves few of all pairs
     found = {}
-    for i, a in enumerate(walls):
-        for b in walls[i + 1 :]:
-            value = relation(a, b, params)
-            if value is not None:
-                found[f"{a.number}-{b.number}"] = (value, a, b)
+    for i, j in np.argwhere(np.triu(alike, 1)):
+        a, b = walls[i], walls[j]
+        value = relation(a, b, params)
+        if value is not None:
+            found[f"{a.number}-{b.number}"] = (value, a, b)
     return found
 
 

@@ -5,7 +5,7 @@ many for each wall) or from the model (with one).
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import atan2, cos, hypot, inf, pi, radians, sin, sqrt
 from typing import Any
 
@@ -148,6 +148,7 @@ class Walls:
         self._wall_of: dict[str, int] = {}
         self._pieces: dict[int, dict[str, Piece]] = {}
         self._walls: dict[int, Wall] = {}
+        self._shown: dict[int, Wall] = {}  # with their lines; only those that changed are put together again
         self._next = 1
 
     def update(self, lines: Iterable[Entry[Any]]) -> list[Wall]:
@@ -165,7 +166,7 @@ class Walls:
                 self._known[key] = entry
                 changed[self._admit(as_piece(entry))] = None
         self._join([number for number in changed if number in self._walls])
-        return [self._with_entries(self._walls[number]) for number in sorted(self._walls)]
+        return [self._with_entries(number) for number in sorted(self._walls)]
 
     def _admit(self, piece: Piece) -> int:
         number = self._home(fuse([piece]), list(self._walls.values()))
@@ -177,6 +178,7 @@ class Walls:
         return number
 
     def _refit(self, number: int) -> None:
+        self._shown.pop(number, None)
         if self._pieces[number]:
             self._walls[number] = fuse(list(self._pieces[number].values()), number)
         else:
@@ -197,6 +199,7 @@ class Walls:
                 self._pieces[stays][key] = piece
                 self._wall_of[key] = stays
             del self._pieces[goes], self._walls[goes]
+            self._shown.pop(goes, None)
             self._refit(stays)
             waiting.append(stays)
 
@@ -209,19 +212,11 @@ class Walls:
                 best, best_m = other.number, offset_m
         return best
 
-    def _with_entries(self, wall: Wall) -> Wall:
-        pieces = sorted(self._pieces[wall.number].values(), key=lambda p: (-p.length_m, p.key))
-        return Wall(
-            number=wall.number,
-            x_m=wall.x_m,
-            y_m=wall.y_m,
-            theta_rad=wall.theta_rad,
-            half_length_m=wall.half_length_m,
-            sigma_rho_m=wall.sigma_rho_m,
-            sigma_theta_rad=wall.sigma_theta_rad,
-            side=wall.side,
-            entries=tuple(self._known[p.key] for p in pieces),
-        )
+    def _with_entries(self, number: int) -> Wall:
+        if number not in self._shown:
+            pieces = sorted(self._pieces[number].values(), key=lambda p: (-p.length_m, p.key))
+            self._shown[number] = replace(self._walls[number], entries=tuple(self._known[p.key] for p in pieces))
+        return self._shown[number]
 
 
 def piece_offset_m(a: Wall, b: Wall, limits: WallLimits) -> float | None:
