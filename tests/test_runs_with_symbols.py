@@ -1,27 +1,19 @@
 """A whole run of the mission that says what its map means: corners, targets and traps against the true lab, and `ski find`."""
 
 import json
-from math import atan2, pi
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 import shapely
 
 from blackboard.command.main import main
-from blackboard.component import WorldTruth
 from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN, Grid
 from blackboard.journal import FILE_NAME, JournalWriter
 from blackboard.kinds import CORNER, GRID, LINE, LINE_RELATION, TARGET, TRAP
-from blackboard.messages.geometry import wrap_angle
-from blackboard.messages.symbols import Corner
 from blackboard.mission import find_mission, load_mission
+from blackboard.report.corner_scores import KNOWN_SIDE_M, SIDE_M, TrueCorner, corner_scores, true_corners
 from blackboard.runner import Run, RunOptions
-
-NEAR_M = 0.15  # three cells
-BESIDE_M = 0.2
-ARM_M = 0.4  # shorter sides of things are not asked for
 
 
 @pytest.fixture(scope="module")
@@ -42,39 +34,6 @@ def explored(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path, list[
     return run, folder, counts
 
 
-class TrueCorner(NamedTuple):
-    """A corner of the free floor: its place, its shape as the robot senses it, and a place on either side, BESIDE_M away."""
-
-    x_m: float
-    y_m: float
-    shape: str
-    beside: tuple[tuple[float, float], tuple[float, float]]
-
-
-def true_corners(truth: WorldTruth, arm_m: float) -> list[TrueCorner]:
-    """Return the corners of the free floor whose two sides are this long."""
-    free = truth.floor.difference(truth.solid)
-    found = []
-    for part in getattr(free, "geoms", [free]):
-        whole = shapely.geometry.polygon.orient(part.simplify(0.01))  # the free floor lies left of every ring
-        for ring in (whole.exterior, *whole.interiors):
-            points = np.array(ring.coords)[:-1]
-            for before, here, after in zip(np.roll(points, 1, 0), points, np.roll(points, -1, 0), strict=True):
-                come, go = here - before, after - here
-                turn = wrap_angle(atan2(go[1], go[0]) - atan2(come[1], come[0]))
-                if min(np.hypot(*come), np.hypot(*go)) >= arm_m and abs(turn) >= pi / 6:
-                    back, on = here - come / np.hypot(*come) * BESIDE_M, here + go / np.hypot(*go) * BESIDE_M
-                    shape = "concave" if turn > 0 else "convex"
-                    beside = ((float(back[0]), float(back[1])), (float(on[0]), float(on[1])))
-                    found.append(TrueCorner(float(here[0]), float(here[1]), shape, beside))
-    return found
-
-
-def fits(corner: Corner, true: TrueCorner) -> bool:
-    near = np.hypot(corner.place.x_m - true.x_m, corner.place.y_m - true.y_m) <= NEAR_M
-    return bool(near) and corner.shape in (true.shape, "unknown")
-
-
 def seen(true: TrueCorner, lines: list[shapely.LineString]) -> bool:
     """Say whether both sides of a corner stand as lines, so that it could be found at all."""
     return all(any(line.distance(shapely.Point(place)) < 0.05 for line in lines) for place in true.beside)
@@ -85,12 +44,12 @@ def test_corners_are_found_where_corners_are(explored: tuple[Run, Path, list[int
     truth = run.robot.truth()
     assert truth is not None
     found = [e.value for e in run.board.entries(CORNER)]
-    right = [c for c in found if any(fits(c, true) for true in true_corners(truth, 0.1))]
+    right = [c for c in found if any(true.is_met(c) for true in true_corners(truth, KNOWN_SIDE_M))]
     walls = [e.value for e in run.board.entries(LINE)]
     lines = [shapely.LineString([(w.start.x_m, w.start.y_m), (w.end.x_m, w.end.y_m)]) for w in walls]
-    every = true_corners(truth, ARM_M)
+    every = true_corners(truth, SIDE_M)
     could = [true for true in every if seen(true, lines)]
-    met = [true for true in could if any(fits(c, true) for c in found)]
+    met = [true for true in could if any(true.is_met(c) for c in found)]
     print(
         f"corners: {len(right)} of {len(found)} right; {len(met)} of {len(could)} whose sides are lines, of {len(every)}"
     )
@@ -99,6 +58,9 @@ def test_corners_are_found_where_corners_are(explored: tuple[Run, Path, list[int
     assert len(met) >= 0.3 * len(every)  # the sides of most things are too short for lines
     errors_m = [min(np.hypot(c.place.x_m - t.x_m, c.place.y_m - t.y_m) for t in every) for c in right]
     assert np.median(errors_m) < 0.02
+    scores = corner_scores(found, truth)
+    assert scores["corners_right_fraction"] == len(right) / len(found)
+    assert scores["corners_found_fraction"] >= 0.3
     assert {c.shape for c in found} >= {"concave", "convex"}
     assert run.board.entries(LINE_RELATION)
 
