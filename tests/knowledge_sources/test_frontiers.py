@@ -88,14 +88,18 @@ def test_the_place_to_stand_is_the_nearest_that_touches_nothing(seed: int, radiu
     grid.cells[:] = np.where(np.random.default_rng(seed).random(grid.cells.shape) < 0.01, 255, 0)
     centres = (np.arange(64) + 0.5) * 0.05
     x, y = np.meshgrid(centres, centres)
-    outside = (x < radius_m) | (y < radius_m) | (x > 3.2 - radius_m) | (y > 3.2 - radius_m)
+    edge = np.minimum(np.minimum(x, y), np.minimum(3.2 - x, 3.2 - y))
     full = np.stack([x[grid.cells == 255], y[grid.cells == 255]], axis=1)
     apart = np.hypot(x[..., None] - full[:, 0], y[..., None] - full[:, 1]).min(axis=2, initial=9.0)
-    clear = (apart > radius_m + 1e-9) & ~outside
-    away = np.where(clear, np.hypot(x - 1.6, y - 1.6), 9.0)
+
+    def nearest_m(margin_m: float) -> float:
+        """A body that just touches may count as either."""
+        clear = (apart > radius_m + margin_m) & (edge >= radius_m + margin_m)
+        return float(np.where(clear, np.hypot(x - 1.6, y - 1.6), 9.0).min())
+
     stand = place_to_stand(grid, 1.6, 1.6, radius_m, 1.0)
-    if away.min() > 1.0:
-        assert stand is None
+    if stand is None:
+        assert nearest_m(1e-9) > 1.0
     else:
-        assert stand is not None
-        assert np.hypot(stand.x_m - 1.6, stand.y_m - 1.6) == pytest.approx(away.min())
+        away_m = np.hypot(stand.x_m - 1.6, stand.y_m - 1.6)
+        assert nearest_m(-1e-9) - 1e-9 <= away_m <= min(nearest_m(1e-9), 1.0) + 1e-9
