@@ -113,7 +113,7 @@ def decode(kind: Kind[M], key: str, data: bytes) -> M:
     except msgspec.ValidationError as error:
         try:
             plain = msgspec.json.decode(data)
-        except (msgspec.DecodeError, RecursionError):
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             plain = None
         raise MessageError(_refusal(key, plain, str(error))) from None
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:

@@ -74,6 +74,7 @@ def test_over_long_and_uneven_arrays() -> None:
         (b'{"pose":{"x_m":1e999,"y_m":0,"heading_rad":0}}', r"pose\.x_m.*(out of range|finite)"),
         (b"\xff\xfe", "not JSON"),
         (b"", "not JSON"),
+        (b'"\x80"', "Expected object"),
         (b"[" * 100_000, "not JSON|Expected object"),
     ],
 )
