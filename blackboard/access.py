@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Literal, TypeVar
 
 from blackboard.board import Board
-from blackboard.entry import Entry, Support
+from blackboard.entry import Entry, Strength, Support
 from blackboard.errors import BoardError
 from blackboard.kinds import Kind
 from blackboard.messages.base import Message
@@ -74,9 +74,24 @@ class Access:
         self._may_post(kind)
         self._board.retract(kind, id, source=self.name)
 
-    def endorse(self, entry: Entry[Any], verdict: Literal["for", "against"], why: str) -> Entry[Any]:
-        """Say something for or against any entry: a revision of it with this endorsement added."""
-        return self._board.endorse(entry.key, who=self.name, verdict=verdict, why=why)
+    def endorse(
+        self,
+        entry: Entry[Any],
+        verdict: Literal["for", "against"],
+        why: str,
+        *,
+        about: str = "",
+        strength: Strength = "fair",
+    ) -> Entry[Any]:
+        """Say something for or against any entry: a revision of it with this endorsement added.
+
+        One component may have several reasons, told apart by what they are `about`; its last word about each stands.
+        """
+        return self._board.endorse(entry.key, who=self.name, verdict=verdict, why=why, about=about, strength=strength)
+
+    def withdraw(self, entry: Entry[Any], about: str, why: str) -> Entry[Any]:
+        """Take back what this component said of an entry about one thing, with the reason why."""
+        return self._board.endorse(entry.key, who=self.name, verdict="withdrawn", why=why, about=about)
 
     def take_seen(self) -> tuple[Entry[Any], ...]:
         """Return what `newest` gave since the last call: the supports of a reactive answer."""

@@ -5,9 +5,9 @@ only take note (the control module puts an activation record on its agenda), so 
 """
 
 from collections.abc import Callable
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
-from blackboard.entry import Endorsement, Entry, Event, Support
+from blackboard.entry import Endorsement, Entry, Event, Strength, Support, Verdict
 from blackboard.errors import BoardError
 from blackboard.history import History, HistoryParams
 from blackboard.key_expressions import check_expression, is_chunk, matches
@@ -186,13 +186,15 @@ class Board:
         self._publish(kind, entry, checked(kind, key, entry.value)[1])
         self._watching.pop(key, None)
 
-    def endorse(self, key: str, *, who: str, verdict: Literal["for", "against"], why: str) -> Entry[Any]:
+    def endorse(
+        self, key: str, *, who: str, verdict: Verdict, why: str, about: str = "", strength: Strength = "fair"
+    ) -> Entry[Any]:
         """Say something for or against what stands at `key`: a revision with one endorsement more."""
         standing = self._standing.get(key)
         if standing is None:
             raise BoardError(f"{key}: nothing stands there to be endorsed")
         stamp = max(self.now_s, standing.stamp_s)
-        said = Endorsement(who=who, verdict=verdict, why=why, stamp_s=stamp)
+        said = Endorsement(who=who, verdict=verdict, why=why, stamp_s=stamp, about=about, strength=strength)
         entry = _next(standing, event="revised", stamp_s=stamp, source=standing.source, added=(said,))
         self._standing[key] = entry
         kind = self.vocabulary.parse_key(key)[1]

@@ -10,6 +10,8 @@ from blackboard.messages.base import Count, Message, Name, Seconds, Text
 M = TypeVar("M", bound=Message)
 
 Event = Literal["posted", "revised", "retracted"]
+Verdict = Literal["for", "against", "withdrawn"]
+Strength = Literal["weak", "fair", "strong"]
 
 
 class Support(Struct, frozen=True, forbid_unknown_fields=True):
@@ -20,13 +22,19 @@ class Support(Struct, frozen=True, forbid_unknown_fields=True):
     last: Count
 
 
-class Endorsement(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A reason for or against an entry: who gives it, and why (after Cohen, as in Bou-Ghannam 1992, section 2.5.3.6)."""
+class Endorsement(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
+    """A reason for or against an entry: who gives it, and why (after Cohen, as in Bou-Ghannam 1992, section 2.5.3.6).
+
+    `about` tells the reasons of one endorser apart: a new word about the same takes the place of the last one, and "withdrawn"
+    takes that back without another in its place. `strength` is a class and not a number; each theory makes of it what it needs.
+    """
 
     who: Name
-    verdict: Literal["for", "against"]
+    verdict: Verdict
     why: Text
     stamp_s: Seconds
+    about: Annotated[str, Meta(max_length=200)] = ""
+    strength: Strength = "fair"
 
 
 class Entry(Struct, Generic[M], frozen=True, kw_only=True, eq=False):

@@ -17,6 +17,7 @@ from blackboard.journal import JournalLine
 from blackboard.kinds import GRID, Kind
 from blackboard.messages.geometry import Point
 from blackboard.vocabulary import Vocabulary, decode
+from blackboard.why import said_of
 
 Place = tuple[float, float]
 Area = tuple[float, float, float, float]
@@ -131,7 +132,7 @@ def read_objects(lines: Iterable[JournalLine], vocabulary: Vocabulary, *, at_s: 
     objects = []
     for line in newest.values():
         kind = kinds["/".join(line.key.split("/")[2:-1])]
-        said = tuple(f"{e.verdict} ({e.who}): {e.why}" for e in line.endorsements)
+        said = said_of(line.endorsements)
         value = _decoded(kind, line)
         if value is not None and value.extent() is not None:
             objects.append(Object(line.key, kind, line.key.rpartition("/")[2], value, line.stamp_s, said))

@@ -1,11 +1,11 @@
 """Why does it stand there? From an entry through its supports down to the readings."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import msgspec
 
-from blackboard.entry import Support
+from blackboard.entry import Endorsement, Support
 from blackboard.errors import BoardError, did_you_mean
 from blackboard.journal import JournalLine
 from blackboard.key_expressions import matches
@@ -75,7 +75,7 @@ class Record:
         if last is None:
             return Reason(support, "not in this record")
         reason = Reason(support, _words(support, first or last, last))
-        reason.said = tuple(f"{e.verdict} ({e.who}): {e.why}" for e in last.endorsements)
+        reason.said = said_of(last.endorsements)
         if name in told:
             reason.repeated = bool(last.supports)
             return reason
@@ -95,6 +95,17 @@ def render(reason: Reason, indent: str = "", last: bool = True, root: bool = Tru
         yield f"{below}   {said}"
     for i, inner in enumerate(reason.reasons):
         yield from render(inner, below, i == len(reason.reasons) - 1, root=False)
+
+
+def said_of(endorsements: Sequence[Endorsement]) -> tuple[str, ...]:
+    """Return the endorsements of an entry in words, as they came; of those that stand no more, until when they stood."""
+    words = []
+    for i, e in enumerate(endorsements):
+        by = f"{e.who}, {e.about}" if e.about else e.who
+        later = next((said for said in endorsements[i + 1 :] if (said.who, said.about) == (e.who, e.about)), None)
+        until = "" if later is None or e.verdict == "withdrawn" else f", until {later.stamp_s:.2f} s"
+        words.append(f"{e.verdict} ({by}{until}): {e.why}")
+    return tuple(words)
 
 
 def _short(key: str) -> str:

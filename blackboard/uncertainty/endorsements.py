@@ -3,9 +3,10 @@
 Source: Bou-Ghannam 1992, section 2.5.3.6 (theory of endorsements, after Cohen 1985), used as in section 2.6: a missing part is a
 recorded reason against; a task looks for it; when it is found, the reason is taken back.
 
-Whoever endorses again takes back what they said before. Strength is an order of endorsers, in tiers; what decides is a list of
-explicit rules, of which the first that holds gives the verdict. Endorsers are named as they are, or by a pattern such as
-`look-again-*`.
+Whoever endorses again takes back what they said before about the same, and may withdraw it without saying anything else. Strength
+is an order of endorsers, in tiers; what decides is a list of explicit rules, of which the first that holds gives the verdict.
+Endorsers are named as they are, by a pattern such as `look-again-*`, or with what they speak about, such as `mug_detector/handle`
+or `*/handle`.
 """
 
 from collections.abc import Iterable, Sequence
@@ -19,6 +20,7 @@ from blackboard.errors import UncertaintyError
 Side = Literal["for", "against"]
 Tiers = Sequence[Sequence[str]]
 
+SIDES: tuple[Side, ...] = ("for", "against")
 UNRESOLVED = "unresolved"
 CONDITIONS = ("all_for", "any_for", "none_for", "all_against", "any_against", "none_against")
 
@@ -66,12 +68,17 @@ def reasons(endorsements: Iterable[Endorsement], side: Side) -> tuple[Endorsemen
 
 
 def standing(endorsements: Iterable[Endorsement]) -> tuple[Endorsement, ...]:
-    """Return the latest endorsement by each endorser, oldest first, then by name; of one stamp the later given stands."""
-    latest: dict[str, Endorsement] = {}
+    """Return the latest word of each endorser about each thing, oldest first, then by name; of one stamp the later given stands.
+
+    What was withdrawn does not stand.
+    """
+    latest: dict[tuple[str, str], Endorsement] = {}
     for e in endorsements:
-        if e.who not in latest or e.stamp_s >= latest[e.who].stamp_s:
-            latest[e.who] = e
-    return tuple(sorted(latest.values(), key=lambda e: (e.stamp_s, e.who)))
+        name = (e.who, e.about)
+        if name not in latest or e.stamp_s >= latest[name].stamp_s:
+            latest[name] = e
+    left = (e for e in latest.values() if e.verdict != "withdrawn")
+    return tuple(sorted(left, key=lambda e: (e.stamp_s, e.who, e.about)))
 
 
 def by_strength(endorsements: Iterable[Endorsement], tiers: Tiers) -> tuple[tuple[Endorsement, ...], ...]:
@@ -83,7 +90,7 @@ def by_strength(endorsements: Iterable[Endorsement], tiers: Tiers) -> tuple[tupl
         _check_patterns(f"tier {i}", tier)
     groups: list[list[Endorsement]] = [[] for _ in range(len(tiers) + 1)]
     for e in standing(endorsements):
-        place = next((i for i, tier in enumerate(tiers) if _fits(e.who, tier)), len(tiers))
+        place = next((i for i, tier in enumerate(tiers) if _fits(e, tier)), len(tiers))
         groups[place].append(e)
     return tuple(tuple(group) for group in groups)
 
@@ -92,7 +99,8 @@ def strongest_side(endorsements: Iterable[Endorsement], tiers: Tiers) -> Literal
     """Return what the strongest tier that has anyone says; None where nobody says anything."""
     for group in by_strength(endorsements, tiers):
         if group:
-            return "divided" if reasons(group, "for") and reasons(group, "against") else group[0].verdict
+            sides = [side for side in SIDES if reasons(group, side)]
+            return "divided" if len(sides) > 1 else sides[0]
     return None
 
 
@@ -128,15 +136,16 @@ def _holds(rule: VerdictRule, stands: tuple[Endorsement, ...], strongest: str | 
 
 
 def _said(patterns: Sequence[str], given: tuple[Endorsement, ...]) -> bool:
-    return any(_fits(e.who, patterns) for e in given)
+    return any(_fits(e, patterns) for e in given)
 
 
 def _unsaid(patterns: Sequence[str], given: tuple[Endorsement, ...]) -> tuple[str, ...]:
     return tuple(pattern for pattern in patterns if not _said((pattern,), given))
 
 
-def _fits(who: str, patterns: Sequence[str]) -> bool:
-    return any(fnmatchcase(who, pattern) for pattern in patterns)
+def _fits(said: Endorsement, patterns: Sequence[str]) -> bool:
+    names = (said.who, f"{said.who}/{said.about}") if said.about else (said.who,)
+    return any(fnmatchcase(name, pattern) for pattern in patterns for name in names)
 
 
 def _check_patterns(name: str, patterns: Sequence[str]) -> None:

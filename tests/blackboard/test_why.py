@@ -4,14 +4,17 @@ from pathlib import Path
 
 import pytest
 
+from blackboard.access import Access
 from blackboard.board import Board
 from blackboard.entry import Support
 from blackboard.errors import BoardError, RecordingError
 from blackboard.journal import FILE_NAME, JournalWriter, read_journal
-from blackboard.kinds import DRIVE, ODOMETRY, RESPONSE, VELOCITY
-from blackboard.messages.geometry import IDENTITY
+from blackboard.kinds import DRIVE, ODOMETRY, RESPONSE, TRAP, VELOCITY
+from blackboard.messages.geometry import IDENTITY, Point
 from blackboard.messages.motion import Drive, Response, Velocity
 from blackboard.messages.sensing import Odometry
+from blackboard.messages.symbols import Trap
+from blackboard.uncertainty.endorsements import standing
 from blackboard.vocabulary import Vocabulary
 from blackboard.why import Record, render
 
@@ -68,6 +71,33 @@ def test_as_of_an_earlier_time_and_with_endorsements(folder: Path) -> None:
     assert [r.reasons for r in shallow.reasons] == [[], []]
     tree = shallow.as_dict()
     assert tree["key"] == "ski/k2a/commands/drive"
+
+
+def test_separate_reasons_and_how_long_they_stood(tmp_path: Path) -> None:
+    board = Board(Vocabulary())
+    access = Access(board, "mug_detector", (), (TRAP,))
+    with JournalWriter(tmp_path / FILE_NAME) as journal:
+        board.journal = journal
+        mug = access.post(TRAP, Trap(trap="u-shape", place=Point(x_m=0.0, y_m=0.0), size_m=1.0), id="1")
+        access.endorse(mug, "for", "a body of that size", about="body")
+        access.endorse(mug, "against", "no handle", about="handle")
+        board.now_s = 9.0
+        access.endorse(mug, "for", "seen from behind", about="handle", strength="strong")
+        access.endorse(mug, "against", "somebody stands before it")
+        access.withdraw(mug, "body", "it is in doubt again")
+    record = Record(read_journal(tmp_path))
+    assert list(record.explain(record.find("**/trap/1")).said) == [
+        "for (mug_detector, body, until 9.00 s): a body of that size",
+        "against (mug_detector, handle, until 9.00 s): no handle",
+        "for (mug_detector, handle): seen from behind",
+        "against (mug_detector): somebody stands before it",
+        "withdrawn (mug_detector, body): it is in doubt again",
+    ]
+    entry = board.entries(TRAP)[0]
+    assert [(e.verdict, e.about, e.strength) for e in standing(entry.endorsements)] == [
+        ("against", "", "fair"),
+        ("for", "handle", "strong"),
+    ]
 
 
 def test_what_is_not_there(folder: Path) -> None:

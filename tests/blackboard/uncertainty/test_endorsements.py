@@ -1,5 +1,7 @@
 """Endorsements: the source's mug and its handle, what stands, who outweighs whom, and what is still to be found out."""
 
+from typing import Literal
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -63,6 +65,23 @@ def test_the_latest_word_of_each_stands() -> None:
     assert standing([said("sonar", "for"), said("laser", "for")]) == (said("laser", "for"), said("sonar", "for"))
     assert reasons([a, b, c], "against") == (b, c)
     assert reasons([a, b, c], "for") == (a,)
+
+
+def test_one_endorser_with_several_reasons() -> None:
+    """The mug detector itself sees the body and misses the handle; each reason stands and falls by itself."""
+
+    def word(about: str, verdict: Literal["for", "against", "withdrawn"], stamp_s: float) -> Endorsement:
+        return Endorsement(who="mug", verdict=verdict, why="as seen", stamp_s=stamp_s, about=about)
+
+    body, missing, found = word("body", "for", 1.0), word("handle", "against", 1.0), word("handle", "for", 9.0)
+    assert standing([body, missing]) == (body, missing)
+    assert strongest_side([body, missing], []) == "divided"
+    assert standing([body, missing, found]) == (body, found)
+    assert standing([body, missing, word("handle", "withdrawn", 5.0)]) == (body,)
+    rule = VerdictRule(verdict="confirmed", all_for=("mug/body", "*/handle"))
+    assert lacking([body, missing], rule) == ("*/handle",)
+    assert judge([body, missing, found], [rule]).verdict == "confirmed"
+    assert judge([body], [VerdictRule(verdict="likely", any_for=("mug",))]).verdict == "likely"  # whatever it is about
 
 
 def test_tiers_order_by_strength() -> None:
