@@ -1,5 +1,6 @@
 """What the wheels tell of the way: the true motion with systematic and random errors."""
 
+from dataclasses import replace
 from math import cos, sin, sqrt
 
 import numpy as np
@@ -32,6 +33,20 @@ def told_step(
         x_m=scale * (c * step.x_m - s * step.y_m) + slip_m * cos(turn / 2.0),
         y_m=scale * (s * step.x_m + c * step.y_m) + slip_m * sin(turn / 2.0),
         heading_rad=wrap_angle(turn),
+    )
+
+
+def drawn(model: OdometryModel, rng: np.random.Generator) -> OdometryModel:
+    """Return another pair of wheels of the same make: the systematic errors drawn, those given being one sigma each.
+
+    What would be beyond three sigmas is three.
+    """
+    distance, turn, drift = np.clip(rng.standard_normal(3), -3.0, 3.0).tolist()
+    return replace(
+        model,
+        distance_scale=1.0 + distance * (model.distance_scale - 1.0),
+        turn_scale=1.0 + turn * (model.turn_scale - 1.0),
+        drift_rad_per_m=drift * model.drift_rad_per_m,
     )
 
 

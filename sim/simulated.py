@@ -27,7 +27,7 @@ from blackboard.messages.sensing import Battery, Bumper, LaserScan, Odometry, Ro
 from blackboard.parameters import require
 from sim.drive import Base
 from sim.laser import laser_sweep, sweep_ranges
-from sim.odometer import Odometer
+from sim.odometer import Odometer, drawn
 from sim.people import Walker
 from sim.robot_file import load_robot
 from sim.ros_map import load_ros_map
@@ -47,6 +47,7 @@ class SimulatedRobotParams:
     robot: Path = Path("k2a")
     people: bool = False  # those whom the world knows walk in it
     odometry_errors: bool = True  # off: the wheels tell the truth
+    drawn_odometry: bool = False  # each run has wheels of its own: the robot's scales and drift are sigmas to draw from
     start_x_m: float | None = None  # together with start_y_m; else the world's start, else where there is most room
     start_y_m: float | None = None
     start_heading_rad: float | None = None
@@ -104,6 +105,8 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         """Begin anew: the same again."""
         model, shapes = self._model, self._world.shapes
         errors = model.odometry if self.params.odometry_errors else None
+        if errors is not None and self.params.drawn_odometry:
+            errors = drawn(errors, self._random(3))
         self._base = Base(model.body, shapes, self._start)
         self._odometer = Odometer(self._start, errors, self._random(0))
         self._sonar_rng, self._laser_rng = self._random(1), self._random(2)

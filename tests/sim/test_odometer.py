@@ -8,7 +8,7 @@ import pytest
 
 from blackboard.messages.geometry import Pose
 from sim.drive import arc
-from sim.odometer import Odometer
+from sim.odometer import Odometer, drawn
 from sim.sensor_models import OdometryModel
 
 START = Pose(x_m=1.0, y_m=2.0, heading_rad=0.5)
@@ -71,3 +71,14 @@ def test_turning_on_the_spot_errs_too() -> None:
     model = replace(PERFECT, turn_noise_rad=0.02)
     told = [drive(model, [(0.0, -0.1)] * 40, seed)[1] for seed in range(300)]
     assert np.std([p.heading_rad for p in told]) == pytest.approx(0.02 * 2.0, rel=0.12)
+
+
+def test_drawn_wheels_err_by_what_was_given_as_one_sigma() -> None:
+    model = OdometryModel(distance_scale=0.98, turn_scale=1.01, drift_rad_per_m=0.003, turn_noise_rad=0.01)
+    wheels = [drawn(model, np.random.default_rng(seed)) for seed in range(400)]
+    for name, sigma in (("distance_scale", 0.02), ("turn_scale", 0.01), ("drift_rad_per_m", 0.003)):
+        off = np.array([getattr(w, name) for w in wheels]) - (0.0 if name == "drift_rad_per_m" else 1.0)
+        assert np.std(off) == pytest.approx(sigma, rel=0.1)
+        assert abs(off.mean()) < 0.2 * sigma
+        assert np.abs(off).max() <= 3.0 * sigma + 1e-12
+    assert {w.turn_noise_rad for w in wheels} == {0.01}

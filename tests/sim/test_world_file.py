@@ -101,7 +101,7 @@ def test_edges_and_right_angled_corners_echo_and_blunt_ones_do_not(tmp_path: Pat
 
 
 def test_shipped_worlds_hold_their_robots() -> None:
-    assert shipped_names("worlds") == ["lab", "office", "trap"]
+    assert shipped_names("worlds") == ["hall", "lab", "office", "trap"]
     for name in shipped_names("worlds"):
         world = load_world(Path(name))
         assert world.people, name
@@ -193,7 +193,9 @@ def test_a_robot_too_large_for_the_world(tmp_path: Path) -> None:
 
 
 def test_unknown_worlds_and_files(tmp_path: Path) -> None:
-    with pytest.raises(MissionError, match=r"unknown world 'labb'; did you mean 'lab'\? \(shipped: lab, office, trap"):
+    with pytest.raises(
+        MissionError, match=r"unknown world 'labb'; did you mean 'lab'\? \(shipped: hall, lab, office, trap"
+    ):
         load_world(Path("labb"))
     with pytest.raises(MissionError, match="does not exist"):
         load_world(tmp_path / "none.toml")
