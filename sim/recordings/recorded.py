@@ -62,9 +62,11 @@ class RecordedRobotParams:
     sonar_latency_s: float | None = None
     laser_latency_s: float | None = None  # and that of the cones that a laser is thinned to
     odometry_topic: str = ""  # in a bag with several; empty: /odom, else the one with most messages
+    skip_s: float = 0.0  # so much of the beginning is left out: the run starts there, at the odometry's pose
 
     def __post_init__(self) -> None:
         require(0 <= self.cones <= MAX_CONES, "cones", self.cones, f"[0, {MAX_CONES}]")
+        require(0 <= self.skip_s <= 1e7, "skip_s", self.skip_s, "[0, 1e7] s")
         for name in ("odometry_latency_s", "sonar_latency_s", "laser_latency_s"):
             value = getattr(self, name)
             require(value is None or 0 <= value <= 10, name, value, "[0, 10] s")
@@ -101,8 +103,13 @@ class RecordedRobot(Robot[RecordedRobotParams]):
         }
         heard = [t for t in kinds if t in self._recording.first_s and not (self._cones and t is Echoes)]
         self.provides = tuple(dict.fromkeys([*([ODOMETRY] if self._standing else []), *(kinds[t] for t in heard)]))
-        self._start_s = min(self._recording.first_s[t] - self._latencies_s[t] for t in heard)
+        first_s = min(self._recording.first_s[t] - self._latencies_s[t] for t in heard)
+        self._start_s = first_s + params.skip_s
         self._end_s = max(self._recording.last_s[t] for t in heard)
+        if self._start_s > self._end_s:
+            raise RecordingError(
+                f"{params.path}: skip_s = {params.skip_s:g} leaves nothing of {self._end_s - first_s:.1f} s; skip less"
+            )
 
     @property
     def description(self) -> RobotDescription:
@@ -181,6 +188,8 @@ class RecordedRobot(Robot[RecordedRobotParams]):
 
     def _readings(self, heard: Heard) -> Iterator[Reading[Any]]:
         value, stamp_s = heard.value, heard.stamp_s - self._latencies_s[type(heard.value)]
+        if stamp_s < self._start_s:
+            return
         if isinstance(value, Odometry):
             yield self._reading(ODOMETRY, stamp_s, value)
             return

@@ -51,6 +51,19 @@ def test_pieces_add_up_to_the_whole(log: Path) -> None:
         assert pieces == whole
 
 
+def test_the_beginning_can_be_left_out(log: Path) -> None:
+    whole, late = list(robot(log).advance(inf)), robot(log, skip_s=0.45)
+    assert (late.start_s, late.end_s) == (1000.45, 1001.0)
+    assert list(late.advance(1000.45)) == []
+    assert list(late.advance(inf)) == [r for r in whole if r.stamp_s >= 1000.45]
+    shifted = robot(log, skip_s=0.55, laser_latency_s=0.2)  # from 1000.35 on; the scan heard at 1000.5 was taken before
+    assert LASER_SCAN not in [r.kind for r in shifted.advance(1000.55)]
+    with pytest.raises(RecordingError, match=r"small.log: skip_s = 2 leaves nothing of 1\.0 s; skip less"):
+        robot(log, skip_s=2.0)
+    with pytest.raises(MissionError, match=r"skip_s = -1"):
+        RecordedRobotParams(path=log, skip_s=-1.0)
+
+
 def test_poses_of_one_stamp_are_told_apart_in_the_files_order(tmp_path: Path, small_log: list[str]) -> None:
     lines = [line.replace("1000.400000", "1000.500000").replace("1000.600000", "1000.500000") for line in small_log]
     path = tmp_path / "ties.log"

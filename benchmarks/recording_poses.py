@@ -1,0 +1,142 @@
+"""How well each chain of sources holds the pose on a recording with true poses: an ablation, whole and on shifted starts.
+
+python benchmarks/recording_poses.py [--recording R] [--truth T.tum] [--only NAME ...] [--starts S ...] [--piece S] [--jobs N]
+
+One row a chain: position error (mean, max) and heading error (mean) over the whole recording, and for pieces of --piece seconds
+that start later the mean position error of each, their mean and the worst. Every piece is a run of its own, which knows nothing of
+what came before. Estimate and truth are laid on each other at the first pose, nothing is fitted. Differences of some centimetres
+between single runs mean nothing, which is why there are several.
+
+The recording is autolab of ../shared/data unless another is named: 16 sonars whose stamps are 0.10 s late.
+"""
+
+import argparse
+import os
+from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from math import degrees, inf
+from pathlib import Path
+from statistics import mean
+from time import process_time
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core a run
+
+import numpy as np
+
+from blackboard.kinds import CORRECTED_PATH
+from blackboard.mission import find_mission, load_mission, parse_settings, shipped_missions
+from blackboard.report.pose_scores import PathError, path_error
+from blackboard.report.result import Trajectory
+from blackboard.runner import Run, RunOptions
+
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "sonar"
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A mission and what is set in it."""
+
+    name: str
+    mission: str
+    settings: tuple[str, ...] = ()
+
+
+CHAINS = (
+    Chain("odometry only", "map-recording"),
+    Chain(
+        "+ match/merge, re-reference; lines of raw echoes",
+        "map-recording-lines",
+        ("filter_raw.use_grid=false", "line_finder.method=axis"),
+    ),
+    Chain("+ filter-raw", "map-recording-lines", ("line_finder.method=axis",)),
+    Chain("+ tangent lines, filter-raw off", "map-recording-lines", ("filter_raw.use_grid=false",)),
+    Chain("+ tangent lines, filter-raw on", "map-recording-lines"),
+    Chain("grid matcher", "map-recording-sonar"),
+)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A chain on a part of the recording, or on all of it."""
+
+    chain: Chain
+    skip_s: float = 0.0
+    length_s: float = inf
+
+
+def read_tum(path: Path) -> Trajectory:
+    """Return the poses of a TUM file, (n, 4), in the order of their stamps."""
+    rows = np.loadtxt(path, ndmin=2)
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    return np.column_stack([rows[:, :3], 2.0 * np.arctan2(rows[:, 6], rows[:, 7])])
+
+
+def score(recording: Path, truth: Path, robot: Mapping[str, Any], piece: Piece) -> tuple[PathError, float]:
+    """Run a chain on its piece; return the error of its path and the seconds that it took."""
+    started = process_time()
+    settings = parse_settings(piece.chain.settings)
+    over = {**robot, "path": str(recording), "skip_s": piece.skip_s}
+    run = Run(load_mission(find_mission(piece.chain.mission), {**settings, "robot": over}), RunOptions(strict=True))
+    run.run(piece.length_s)
+    run.robot.close()
+    corrected = run.board.newest(CORRECTED_PATH)
+    path = run.trajectory() if corrected is None else corrected.value.poses.unpack()
+    error = path_error(path, read_tum(truth), aligned=True)
+    if error is None:
+        raise SystemExit(f"{truth} has no pose in the time of {recording}")
+    return error, process_time() - started
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--recording", type=Path, default=DATA / "autolab")
+    parser.add_argument("--truth", type=Path, default=DATA / "autolab.truth.tum")
+    parser.add_argument("--latency", type=float, default=0.1, metavar="S", help="by which the sonars' stamps are late")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="chains by the beginning of their names")
+    parser.add_argument("--add", nargs="+", action="append", default=[], metavar="MISSION [KEY=VALUE ...]")
+    parser.add_argument("--starts", type=float, nargs="*", default=[0.0, 300.0, 600.0, 900.0, 1200.0], metavar="S")
+    parser.add_argument("--piece", type=float, default=480.0, metavar="S")
+    parser.add_argument("--no-whole", action="store_true", help="only the pieces")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    options = parser.parse_args()
+    if not (options.recording.exists() and options.truth.exists()):
+        print(f"{options.recording} or {options.truth} is absent: nothing to measure")
+        return
+    shipped = [chain for chain in CHAINS if chain.mission in shipped_missions()]
+    chains = [c for c in shipped if options.only is None or c.name.startswith(tuple(options.only))]
+    chains += [Chain(" ".join(words), words[0], tuple(words[1:])) for words in options.add]
+    pieces = [
+        piece
+        for chain in chains
+        for piece in (
+            *(() if options.no_whole else (Piece(chain),)),
+            *(Piece(chain, start_s, options.piece) for start_s in options.starts),
+        )
+    ]
+    robot = {"sonar_latency_s": options.latency}
+    print(f"{options.recording.name}, sonar stamps {options.latency:g} s late; position errors in m")
+    starts = "".join(f"{f'from {start_s:g}':>11}" for start_s in options.starts)
+    print(f"{'':50}{'mean':>8}{'max':>8}{'deg':>6} |{starts}{'mean':>8}{'worst':>8}{'s CPU':>8}")
+    with ProcessPoolExecutor(max_workers=options.jobs) as pool:
+        scored = pool.map(partial(score, options.recording, options.truth, robot), pieces)
+        for chain in chains:
+            mine = [next(scored) for piece in pieces if piece.chain is chain]
+            whole = None if options.no_whole else mine.pop(0)[0]
+            print(row(chain.name, whole, [error for error, _ in mine], sum(seconds for _, seconds in mine)), flush=True)
+
+
+def row(name: str, whole: PathError | None, pieces: list[PathError], seconds: float) -> str:
+    """Return one line of the table."""
+    shown = f"{'-':>8}{'-':>8}{'-':>6}"
+    if whole is not None:
+        shown = f"{whole.mean_m:8.3f}{whole.max_m:8.3f}{degrees(whole.heading_mean_rad):6.2f}"
+    means = [error.mean_m for error in pieces]
+    together = f"{mean(means):8.3f}{max(means):8.3f}" if means else ""
+    return f"{name:50}{shown} |{''.join(f'{m:11.3f}' for m in means)}{together}{seconds:8.0f}"
+
+
+if __name__ == "__main__":
+    main()
