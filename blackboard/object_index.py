@@ -15,6 +15,7 @@ from blackboard.errors import BoardError, MessageError, did_you_mean
 from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN, Grid
 from blackboard.journal import JournalLine
 from blackboard.kinds import GRID, Kind
+from blackboard.messages.base import Message
 from blackboard.messages.geometry import Point
 from blackboard.vocabulary import Vocabulary, decode
 from blackboard.why import said_of
@@ -148,7 +149,7 @@ def _decoded(kind: Kind[Any], line: JournalLine) -> Any:
 
 
 def _is_of_objects(kind: Kind[Any]) -> bool:
-    has_place = "extent" in vars(kind.type)
+    has_place = kind.type.extent is not Message.extent
     return kind.collection and has_place and kind.panel in ("observations", "hypotheses") and kind is not GRID
 
 

@@ -58,22 +58,29 @@ class Look(NamedTuple):
 
 
 class Wayfarer:
-    """Remembers the window's looks and how often each place was entered."""
+    """Remembers the window's looks and how often each place was entered.
+
+    A place is entered again only by one who has driven two places' width since leaving it: a way along the border between two
+    places enters each of them once.
+    """
 
     def __init__(self, params: CyclingTrapParams, place_m: float) -> None:
         self._params = params
         self._place_m = place_m
         self._looks: deque[Look] = deque()
         self._entered: dict[Place, int] = {}
-        self._at: Place | None = None
+        self._left_m: dict[Place, float] = {}  # the way driven when it was last left
+        self._driven_m = 0.0
 
     def note(self, look: Look) -> Trap | None:
         """Take one look; return the trap if the robot cycles."""
+        if self._looks:
+            self._driven_m += hypot(look.x_m - self._looks[-1].x_m, look.y_m - self._looks[-1].y_m)
         self._looks.append(look)
         place = self._place(look)
-        if place != self._at:
+        if self._driven_m - self._left_m.get(place, -inf) >= 2 * self._place_m:
             self._entered[place] = self._entered.get(place, 0) + 1
-            self._at = place
+        self._left_m[place] = self._driven_m
         while look.stamp_s - self._looks[0].stamp_s > self._params.window_s:
             self._looks.popleft()
         return self._trap()

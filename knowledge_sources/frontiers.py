@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy import ndimage
 
 from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN, Grid
 
 Mask = npt.NDArray[np.bool_]
-NEIGHBOURS = ((0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1))
+EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,35 +38,27 @@ def frontier_mask(grid: Grid, depth_cells: int) -> Mask:
     Thinner undecided strips are the blurred front of a wall.
     """
     cells = grid.cells
-    undecided = (cells > EMPTY_MAX) & (cells < OCCUPIED_MIN)
-    blocks = _widened(_narrowed(undecided, depth_cells), depth_cells)
+    around = np.pad(
+        (cells > EMPTY_MAX) & (cells < OCCUPIED_MIN), depth_cells, constant_values=True
+    )  # nobody knows of it
+    blocks = _widened(_narrowed(around, depth_cells), depth_cells)
     beside = np.zeros_like(blocks)
     beside[1:] |= blocks[:-1]
     beside[:-1] |= blocks[1:]
     beside[:, 1:] |= blocks[:, :-1]
     beside[:, :-1] |= blocks[:, 1:]
-    mask: Mask = beside & (cells <= EMPTY_MAX)
+    mask: Mask = beside[depth_cells:-depth_cells, depth_cells:-depth_cells] & (cells <= EMPTY_MAX)
     return mask
 
 
 def pieces(mask: Mask) -> list[npt.NDArray[np.int64]]:
     """Return the connected pieces of a mask (eight neighbours) as cells (n, 2) row, column; by their first cell."""
-    waiting = dict.fromkeys((int(r), int(c)) for r, c in np.argwhere(mask))
-    found = []
-    while waiting:
-        start = next(iter(waiting))
-        del waiting[start]
-        piece, edge = [start], [start]
-        while edge:
-            row, column = edge.pop()
-            for dr, dc in NEIGHBOURS:
-                cell = (row + dr, column + dc)
-                if cell in waiting:
-                    del waiting[cell]
-                    piece.append(cell)
-                    edge.append(cell)
-        found.append(np.array(sorted(piece), dtype=np.int64))
-    return found
+    labels, count = ndimage.label(mask, structure=EIGHT_NEIGHBOURS)  # numbered row by row
+    cells = np.argwhere(mask)
+    number = labels[mask]
+    order = np.argsort(number, kind="stable")
+    starts = np.searchsorted(number[order], np.arange(2, count + 1))
+    return np.split(cells[order], starts) if count else []
 
 
 def frontiers(grid: Grid, least_m: float, depth_cells: int) -> list[Frontier]:
@@ -82,8 +75,13 @@ def frontiers(grid: Grid, least_m: float, depth_cells: int) -> list[Frontier]:
     return found
 
 
-def place_to_stand(grid: Grid, x_m: float, y_m: float, radius_m: float, reach_m: float) -> Standing | None:
-    """Return the place nearest to (x, y), within reach_m of it, where a robot of this radius stands on empty cells only."""
+def place_to_stand(
+    grid: Grid, x_m: float, y_m: float, radius_m: float, reach_m: float, *, wall_m: float = 0.0
+) -> Standing | None:
+    """Return the place nearest to (x, y), within reach_m of it, where a robot of this radius stands on empty cells only.
+
+    Nothing may stand between there and (x, y), except within wall_m of it.
+    """
     cell_m = grid.cell_m
     widths = _disc_rows(radius_m / cell_m)
     size = len(widths) // 2
@@ -105,10 +103,23 @@ def place_to_stand(grid: Grid, x_m: float, y_m: float, radius_m: float, reach_m:
         [xs + (free[:, 1] + column - (span - size)) * cell_m, ys + (free[:, 0] + row - (span - size)) * cell_m]
     )
     distances = np.hypot(places[0] - x_m, places[1] - y_m)
-    best = int(np.argmin(distances))
-    if distances[best] > reach_m:
-        return None
-    return Standing(x_m=float(places[0, best]), y_m=float(places[1, best]))
+    for best in np.argsort(distances, kind="stable").tolist():
+        if distances[best] > reach_m:
+            return None
+        x, y = places[:, best].tolist()
+        if in_sight(grid, (x, y), (x_m, y_m), float(distances[best]) - wall_m):
+            return Standing(x_m=x, y_m=y)
+    return None
+
+
+def in_sight(grid: Grid, eye: tuple[float, float], place: tuple[float, float], until_m: float) -> bool:
+    """Say whether nothing that is known stands on the first until_m of the way from one place to another."""
+    way = np.array(place) - eye
+    length_m = float(np.hypot(*way))
+    steps = np.arange(0.0, min(until_m, length_m), grid.cell_m / 2)
+    if not len(steps):
+        return True
+    return bool((grid.values_at(eye + steps[:, None] / length_m * way) < OCCUPIED_MIN).all())
 
 
 def cell_centre(grid: Grid, row: int, column: int) -> tuple[float, float]:
@@ -140,7 +151,7 @@ def merged(places: Iterable[tuple[float, float]], reach_m: float) -> list[list[t
 
 
 def _length_cells(cells: npt.NDArray[np.int64]) -> int:
-    """Return how far a piece spreads: the longer side of its box, a diagonal one counted by its length."""
+    """Return how far a piece spreads: the diagonal of its box."""
     spread = np.ptp(cells, axis=0) + 1
     return round(float(np.hypot(*(spread - 1))) + 1)
 

@@ -21,7 +21,10 @@ class GridMirror:
 
     def look(self, board: Access) -> Grid | None:
         """Return the grid as it stands now; None where there is none."""
-        for entry in board.entries(GRID):
+        standing = board.entries(GRID)
+        if not self._tiles.keys() <= {entry.key for entry in standing}:  # a tile was taken back
+            self._grid, self._tiles = None, {}
+        for entry in standing:
             known = self._tiles.get(entry.key)
             if known is None or known.revision != entry.revision:
                 self._tiles[entry.key] = entry

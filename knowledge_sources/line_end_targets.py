@@ -28,7 +28,11 @@ from knowledge_sources.standing_hypotheses import Found, Names, StandingHypothes
 from knowledge_sources.walls import Wall, WallLimits, Walls
 
 SUPPORTS_AN_END = 2
-WHY = "lines end there, and empty cells around border on unknown ones"
+WALL_M = 0.2  # the end lies in the band of its own wall, some four cells wide
+WHY = "lines end there"
+WHY_UNKNOWN = "lines end there, and empty cells around border on unknown ones"
+GONE = "no line ends there where the robot could come near"
+GONE_KNOWN = "no line ends there with anything unknown around it"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +71,8 @@ def line_end_targets(
         unknown_m = max(unknown_near(mask, grid, x, y, params.unknown_reach_m) for x, y in group)
         if params.only_where_unknown and unknown_m < params.unknown_least_m:
             continue
-        stand = place_to_stand(grid, x_m, y_m, radius_m, (1.0 + params.reach_radii) * radius_m)
+        reach_m = (1.0 + params.reach_radii) * radius_m
+        stand = place_to_stand(grid, x_m, y_m, radius_m, reach_m, wall_m=WALL_M)
         if stand is not None:
             target = Target(
                 place=Point(x_m=x_m, y_m=y_m),
@@ -113,8 +118,10 @@ class LineEndTargets(KnowledgeSource[LineEndTargetsParams]):
         walls = self._walls.update(board.entries(self._kind))
         targets = line_end_targets(walls, grid, robot.value.radius_m, self.params)
         names = self._names.name([(t.place.x_m, t.place.y_m) for t, _ in targets])
+        unknown = self.params.only_where_unknown
+        why, gone = (WHY_UNKNOWN, GONE_KNOWN) if unknown else (WHY, GONE)
         found = {
-            name: Found(target, [line for wall in ended for line in wall.entries[:SUPPORTS_AN_END]], WHY)
+            name: Found(target, [line for wall in ended for line in wall.entries[:SUPPORTS_AN_END]], why)
             for name, (target, ended) in zip(names, targets, strict=True)
         }
-        self._standing.keep(board, found, lambda _: "no line ends there with anything unknown around it")
+        self._standing.keep(board, found, lambda _: gone)

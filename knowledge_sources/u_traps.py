@@ -51,7 +51,7 @@ class UTrapsParams:
 
     def __post_init__(self) -> None:
         require(0.0 <= self.interval_s <= 3600.0, "interval_s", self.interval_s, "[0, 3600] seconds")
-        require(0.0 < self.lean_rad < pi / 2, "lean_rad", self.lean_rad, "(0, 90) degrees")
+        require(0.0 < self.lean_rad < pi / 2, "lean_rad", self.lean_rad, "(0, pi/2), less than 90 degrees")
         for name in ("narrowest_radii", "depth_radii", "widest_m", "gap_m"):
             require(0.0 <= getattr(self, name) <= 100.0, name, getattr(self, name), "[0, 100]")
         for name in ("empty_fraction", "open_fraction"):

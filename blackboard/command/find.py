@@ -1,16 +1,17 @@
-"""`ski find KIND --near X,Y --in DIR`: where objects of a run are, and what a place is part of."""
+"""`ski find KIND --near X,Y [--in DIR]`: where objects of a run are, and what a place is part of."""
 
 import argparse
 import json
 import math
 import sys
-from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from blackboard.command.run_folder import add_run_folder, run_folder, stamp
 from blackboard.errors import BoardError
 from blackboard.journal import read_journal
+from blackboard.messages.geometry import Point
 from blackboard.object_index import CELL, Object, ObjectIndex, Place, read_objects
 from blackboard.vocabulary import Vocabulary
 
@@ -20,13 +21,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "kind", help="corner, target, trap, line, ...; 'all'; or 'cell': what is at --near, and what is it part of"
     )
-    parser.add_argument("--in", dest="folder", type=Path, required=True, metavar="DIR", help="output folder of a run")
+    add_run_folder(parser)
     parser.add_argument("--near", metavar="X,Y", help="nearest to this place first (metres, map frame)")
     parser.add_argument("--within", metavar="M", help="no further than this from --near")
     parser.add_argument("--area", metavar="X0,Y0,X1,Y1", help="only what touches this box")
     parser.add_argument("--name", metavar="ID", help="only the one with this id")
     parser.add_argument("--words", metavar="TEXT", help="only those in whose description all these words occur")
-    parser.add_argument("--at", type=float, metavar="S", help="as of this stamp (seconds); default: the run's end")
+    parser.add_argument("--at", type=stamp, metavar="S", help="as of this stamp (seconds); default: the run's end")
     parser.add_argument("--json", action="store_true", help="print the objects as JSON")
 
 
@@ -39,11 +40,15 @@ def call(options: argparse.Namespace) -> int:
         raise BoardError(f"--within {options.within}: give --near X,Y with it, and metres of 0 or more")
     if area is not None and (area[0] > area[2] or area[1] > area[3]):
         raise BoardError(f"--area {options.area}: must be x_min,y_min,x_max,y_max")
-    index = read_objects(read_journal(options.folder), Vocabulary(), at_s=options.at)
     place = (near[0], near[1]) if near is not None else None
     if options.kind == CELL:
         if place is None:
             raise BoardError("which cell? give --near X,Y")
+        for flag in ("within", "area", "name", "words"):
+            if getattr(options, flag) is not None:
+                raise BoardError(f"--{flag} says nothing of a cell; leave it out, or ask for 'all'")
+    index = read_objects(read_journal(run_folder(options)), Vocabulary(), at_s=options.at)
+    if options.kind == CELL and place is not None:
         return _tell_cell(index, place, options.json)
     found = index.find(
         None if options.kind == "all" else options.kind,
@@ -80,8 +85,15 @@ def _told(found: Object, near: Place | None) -> str:
 
 
 def _where(found: Object) -> str:
+    start, end = getattr(found.value, "start", None), getattr(found.value, "end", None)
+    if isinstance(start, Point) and isinstance(end, Point):
+        return f"from {_point(start.x_m, start.y_m)} to {_point(end.x_m, end.y_m)}"
     x0, y0, x1, y1 = found.value.extent()
-    return f"at ({x0:.2f}, {y0:.2f})" if (x0, y0) == (x1, y1) else f"from ({x0:.2f}, {y0:.2f}) to ({x1:.2f}, {y1:.2f})"
+    return f"at {_point(x0, y0)}" if (x0, y0) == (x1, y1) else f"within {_point(x0, y0)} and {_point(x1, y1)}"
+
+
+def _point(x_m: float, y_m: float) -> str:
+    return f"({round(x_m, 2) + 0.0:.2f}, {round(y_m, 2) + 0.0:.2f})"  # no -0.00
 
 
 def _what(found: Object) -> str:
@@ -93,6 +105,8 @@ def _what(found: Object) -> str:
             parts.append(f"{name} {value:.3g}")
         elif isinstance(value, str | int) and value != "":
             parts.append(f"{name} {value}")
+        elif isinstance(value, dict) and value.keys() == {"x_m", "y_m"} and name not in ("place", "start", "end"):
+            parts.append(f"{name} {_point(value['x_m'], value['y_m'])}")
     return ", ".join(parts)
 
 
@@ -119,8 +133,6 @@ def _numbers(flag: str, text: str | None, count: int) -> tuple[float, ...] | Non
     except ValueError:
         numbers = ()
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
-        form = {1: "a number", 2: "X,Y", 4: "X0,Y0,X1,Y1"}[count]
-        raise BoardError(
-            f"{flag} {text}: must be {form} in metres, such as {flag} {','.join('123'[i % 3] for i in range(count))}"
-        )
+        form, example = {1: ("a number", "1.5"), 2: ("X,Y", "2,3"), 4: ("X0,Y0,X1,Y1", "0,0,4,2.5")}[count]
+        raise BoardError(f"{flag} {text}: must be {form} in metres, such as {flag} {example}")
     return numbers

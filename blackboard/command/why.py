@@ -1,10 +1,10 @@
-"""`ski why KEY --in DIR`: explain an entry of a run, down to the readings."""
+"""`ski why KEY [--in DIR]`: explain an entry of a run, down to the readings."""
 
 import argparse
 import json
 import sys
-from pathlib import Path
 
+from blackboard.command.run_folder import add_run_folder, run_folder, stamp
 from blackboard.journal import read_journal
 from blackboard.why import Record, render
 
@@ -14,15 +14,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "key", help="a key, e.g. commands/drive or observations/feature/line/3-0; wildcards if one matches"
     )
-    parser.add_argument("--in", dest="folder", type=Path, required=True, metavar="DIR", help="output folder of a run")
-    parser.add_argument("--at", type=float, metavar="S", help="as of this stamp (seconds); default: the last revision")
+    add_run_folder(parser)
+    parser.add_argument("--at", type=stamp, metavar="S", help="as of this stamp (seconds); default: the last revision")
     parser.add_argument("--depth", type=int, default=12, metavar="N", help="steps down at most (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="print the tree as JSON")
 
 
 def call(options: argparse.Namespace) -> int:
     """Run the verb."""
-    record = Record(read_journal(options.folder))
+    record = Record(read_journal(run_folder(options)))
     reason = record.explain(record.find(options.key, at_s=options.at), options.depth)
     if options.json:
         sys.stdout.write(json.dumps(reason.as_dict(), indent=2) + "\n")

@@ -1,6 +1,7 @@
 """The object index and `ski find`, on a record made by hand."""
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,9 @@ from blackboard.command.main import main
 from blackboard.errors import BoardError
 from blackboard.grid import Grid, tile_id
 from blackboard.journal import FILE_NAME, JournalWriter, read_journal
-from blackboard.kinds import CORNER, GRID, LINE, TRAP
+from blackboard.kinds import CORNER, GRID, LINE, TARGET, TRAP
 from blackboard.messages.geometry import Point
-from blackboard.messages.symbols import Corner, Trap
+from blackboard.messages.symbols import Corner, Target, Trap
 from blackboard.messages.world import Line
 from blackboard.object_index import ObjectIndex, read_objects
 from blackboard.vocabulary import Vocabulary
@@ -40,6 +41,10 @@ def folder(tmp_path: Path) -> Path:
         ends = {"start": Point(x_m=0.0, y_m=1.0), "end": Point(x_m=4.0, y_m=1.0)}
         board.post(LINE, Line(**ends, alpha_rad=1.57, rho_m=1.0, sigma_rho_m=0.02, support=9), id="1-0", source="f")
         board.post(CORNER, corner(0.0, 1.0, "concave"), id="1-2", source="c")
+        ends = {"start": Point(x_m=-1e-9, y_m=3.0), "end": Point(x_m=2.0, y_m=2.0)}
+        board.post(LINE, Line(**ends, alpha_rad=1.1, rho_m=2.7, sigma_rho_m=0.02, support=9), id="2-0", source="f")
+        place, stand = Point(x_m=0.0, y_m=3.0), Point(x_m=1.0, y_m=3.0)
+        board.post(TARGET, Target(place=place, stand=stand, reason="frontier", size_m=1.0), id="t-1", source="t")
         board.now_s = 10.0
         entry = board.post(CORNER, corner(4.0, 1.0, "convex"), id="1-3", source="c")
         board.endorse(entry.key, who="c", verdict="for", why="it was seen twice")
@@ -103,6 +108,10 @@ def test_find_on_the_command_line(folder: Path, capsys: pytest.CaptureFixture[st
     said = capsys.readouterr().out.splitlines()
     assert said[0] == "(2, 0.99) is occupied (255 of 255)"
     assert said[1].startswith("  part of observations/feature/line/1-0 from (0.00, 1.00) to (4.00, 1.00), 0.01 m away")
+    assert main(["find", "line", "--in", str(folder)]) == 0
+    assert "/line/2-0 from (0.00, 3.00) to (2.00, 2.00): " in capsys.readouterr().out  # its ends, not its box
+    assert main(["find", "target", "--in", str(folder)]) == 0
+    assert "at (0.00, 3.00): stand (1.00, 3.00), reason frontier" in capsys.readouterr().out
     assert main(["find", "all", "--words", "nowhere", "--in", str(folder)]) == 0
     assert capsys.readouterr() == ("", "ski: nothing found\n")
 
@@ -118,6 +127,8 @@ def test_find_on_the_command_line(folder: Path, capsys: pytest.CaptureFixture[st
         (["corner", "--near", "1,1", "--within", "-1"], "0 or more"),
         (["corner", "--area", "2,0,1,1"], "x_min,y_min,x_max,y_max"),
         (["cell"], "which cell? give --near X,Y"),
+        (["cell", "--near", "1,1", "--words", "convex"], "--words says nothing of a cell"),
+        (["corner", "--area", "0,0,1"], "must be X0,Y0,X1,Y1 in metres, such as --area 0,0,4,2.5"),
     ],
 )
 def test_mistakes_get_one_line(
@@ -128,3 +139,29 @@ def test_mistakes_get_one_line(
     assert words in said.err
     assert said.err.count("\n") == 1
     assert said.out == ""
+
+
+def test_without_a_folder_the_newest_run_is_asked(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["find", "corner"]) == 2
+    assert capsys.readouterr().err == "ski: there is no run in runs/; name the output folder of one with --in DIR\n"
+    for number, written_s in ((1, 200.0), (2, 100.0)):
+        run = tmp_path / f"runs/lab-{number}"
+        run.mkdir(parents=True)
+        (run / FILE_NAME).write_bytes((folder / FILE_NAME).read_bytes())
+        os.utime(run / FILE_NAME, (written_s, written_s))
+    assert main(["find", "corner", "--near", "2,3"]) == 0
+    said = capsys.readouterr()
+    assert said.err == "ski: in runs/lab-1\n"
+    assert len(said.out.splitlines()) == 2
+    assert main(["why", "hypotheses/symbol/trap/u-1"]) == 0
+    assert capsys.readouterr().err == "ski: in runs/lab-1\n"
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "x"])
+def test_a_time_that_is_none(text: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for verb in (["find", "corner"], ["why", "hypotheses/symbol/trap/u-1"]):
+        assert main([*verb, "--at", text, "--in", str(folder)]) == 2
+        assert capsys.readouterr().err == f"ski: --at {text}: must be a number of seconds on the mission's clock\n"

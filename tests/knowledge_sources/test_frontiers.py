@@ -58,6 +58,33 @@ def test_the_robot_stands_where_all_is_empty_or_nowhere() -> None:
     assert place_to_stand(grid, 40.0, 40.0, 0.3, 1.0) is None  # far outside
 
 
+def test_the_robot_does_not_stand_behind_a_wall() -> None:
+    grid = room(None)
+    grid.cells[(grid.cells == 128)] = 0  # free outside as well
+    inside, outside = place_to_stand(grid, 0.9, 0.0, 0.3, 0.9), place_to_stand(grid, 1.15, 0.0, 0.3, 0.9)
+    assert inside is not None
+    assert outside is not None
+    assert inside.x_m == pytest.approx(0.675, abs=0.051)
+    assert outside.x_m == pytest.approx(1.425, abs=0.051)
+    place = (1.3, 0.0)
+    there = place_to_stand(grid, *place, 0.3, 0.65)
+    assert there is not None
+    column = round((1.1 - grid.x_min_m) / 0.05)
+    grid.cells[:, column:] = 255  # nothing is free outside, except a niche too small for the robot
+    grid.cells[62:67, column + 3 : column + 6] = 0
+    assert place_to_stand(grid, *place, 0.3, 0.7) is None  # room enough at (0.67, 0), and a wall between
+    assert place_to_stand(grid, *place, 0.3, 0.7, wall_m=0.4) is not None  # an end of a line, in its wall's band
+
+
+def test_frontiers_reach_to_the_edge_of_what_is_stored() -> None:
+    grid = Grid(0.05)
+    grid.cover(0.0, 0.0, 3.1, 3.1)  # one tile, all of it empty: nobody knows what lies beyond
+    grid.cells[:] = 0
+    (found,) = frontiers(grid, 0.5, 3)
+    assert len(pieces(frontier_mask(grid, 3))[0]) == 4 * 63
+    assert found.length_m == pytest.approx(3.2 * 2**0.5, abs=0.1)
+
+
 def test_the_frontier_around_a_place_is_measured() -> None:
     grid = room((-0.3, 0.5))
     mask = frontier_mask(grid, 3)

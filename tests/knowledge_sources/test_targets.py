@@ -115,6 +115,18 @@ def test_the_thesis_takes_every_end() -> None:
     look(world, LineEndTargets(LineEndTargetsParams(only_where_unknown=False), name="ends"))
     places = [(e.value.place.x_m, e.value.place.y_m) for e in world.board.entries(TARGET)]
     assert sorted(places) == [pytest.approx((0.0, 3.0)), pytest.approx((0.05, 0.0)), pytest.approx((3.0, 0.0))]
+    assert {e.why for entry in world.board.entries(TARGET) for e in entry.endorsements} == {"lines end there"}
+
+
+def test_a_tile_that_is_taken_back_is_forgotten() -> None:
+    world = World()
+    source = FrontierTargets(FrontierTargetsParams(), name="frontiers")
+    look(world, source)
+    assert len(world.board.entries(TARGET)) == 1
+    for entry in world.board.entries(GRID)[1:]:
+        world.board.retract(GRID, entry.id, source="grid")
+    look(world, source)
+    assert all(e.value.place.x_m < 0.1 for e in world.board.entries(TARGET))
 
 
 def test_parameters() -> None:

@@ -132,6 +132,12 @@ def test_who_learns_or_hardly_moves_does_not_cycle() -> None:
     assert straight[-1] is None  # always new places
 
 
+def test_a_way_along_the_border_of_two_places_enters_each_once() -> None:
+    wayfarer = Wayfarer(CyclingTrapParams(), 0.6)
+    said = [wayfarer.note(Look(float(t), 0.3 * t, 0.05 * (-1) ** t, 20.0)) for t in range(240)]
+    assert said[-1] is None
+
+
 def moments(step_m: float, wanted_mps: float) -> "deque[Moment]":
     return deque(Moment(0.5 * i, step_m * (i % 2), 0.0, wanted_mps) for i in range(41))
 
