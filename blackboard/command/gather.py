@@ -14,6 +14,7 @@ from blackboard.messages.model import ModelLine
 from blackboard.messages.world import Line
 from blackboard.report.animation import Frame
 from blackboard.report.corner_scores import corner_scores
+from blackboard.report.pose_scores import pose_table
 from blackboard.report.result import RunResult, driven_m
 from blackboard.report.scores import score_table
 from blackboard.report.view import known_part
@@ -46,6 +47,7 @@ def gather(run: Run, title: str) -> RunResult:
     symbols = {"corners": len(result.corners), "targets": len(result.targets), "traps": len(run.board.entries(TRAP))}
     table |= {"lines": len(result.lines)} | {name: count for name, count in symbols.items() if count}
     table |= {"posts": run.board.posts}
+    table |= pose_table(result.trajectory, result.true_trajectory)
     table |= score_table(result)
     table |= corner_scores(result.corners, result.truth)
     return replace(result, table=table)

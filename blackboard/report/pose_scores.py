@@ -89,6 +89,18 @@ def path_error(path: Trajectory, truth: Trajectory, *, aligned: bool = False) ->
     )
 
 
+def pose_table(path: Trajectory, truth: Trajectory | None) -> dict[str, float]:
+    """Return the rows about the pose for the table at the end of a run; none where nobody knows the truth."""
+    error = path_error(path, truth) if truth is not None and len(truth) else None
+    if error is None:
+        return {}
+    return {
+        "pose_error_mean_m": error.mean_m,
+        "pose_error_max_m": error.max_m,
+        "heading_error_mean_rad": error.heading_mean_rad,
+    }
+
+
 def nees(errors: Floats, covariances: Floats) -> Floats:
     """Return (n,) e' P^-1 e of errors (n, 3) and covariances (n, 3, 3); infinite where a covariance is none."""
     scores = np.full(len(errors), np.inf)

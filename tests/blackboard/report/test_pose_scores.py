@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from blackboard.mission import find_mission, load_mission
 from blackboard.report.pose_log import PoseLog
-from blackboard.report.pose_scores import BOUND, honesty, nees, path_error, pose_errors, true_poses
+from blackboard.report.pose_scores import BOUND, honesty, nees, path_error, pose_errors, pose_table, true_poses
 from blackboard.runner import Run, RunOptions
 
 TRUTH = np.array([[0.0, 1.0, 2.0, 0.0], [10.0, 11.0, 2.0, 0.2]])
@@ -26,6 +26,9 @@ def test_errors_are_plain_differences_at_the_paths_stamps() -> None:
     assert error is not None
     assert (error.mean_m, error.max_m) == pytest.approx((0.5, 1.0))
     assert (error.heading_mean_rad, error.heading_max_rad) == pytest.approx((0.2 / 3, 0.1))
+    rows = {"pose_error_mean_m": 0.5, "pose_error_max_m": 1.0, "heading_error_mean_rad": 0.2 / 3}
+    assert pose_table(path, TRUTH) == pytest.approx(rows)
+    assert pose_table(path, None) == {}
 
 
 def test_headings_are_compared_round_the_circle() -> None:
