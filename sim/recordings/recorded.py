@@ -55,6 +55,7 @@ class RecordedRobotParams:
     path: Path  # a CARMEN log, a bag file, or a bag folder
     robot: Path | None = None  # robot file whose body and sensor ranges go over those of the recording
     cones: int = 0  # 0: the laser stays; N: each laser becomes N sonar cones, and the only sonars are these
+    leave_out: str = ""  # "laser" or "sonar": as if the recording had none
     radius_m: float | None = None  # None: the robot file's, else 0.25, between a Pioneer (0.26) and a Roomba (0.17)
     max_range_m: float | None = None  # nothing came back from beyond it; None: what recording and robot file say
     # how late a stamp is after the moment at which the reading was taken; None: the robot file's, else 0
@@ -66,6 +67,9 @@ class RecordedRobotParams:
 
     def __post_init__(self) -> None:
         require(0 <= self.cones <= MAX_CONES, "cones", self.cones, f"[0, {MAX_CONES}]")
+        require(self.leave_out in ("", "laser", "sonar"), "leave_out", self.leave_out, "'laser', 'sonar' or nothing")
+        limit = "nothing: cones are made of the laser, and are then the only sonars"
+        require(not (self.cones and self.leave_out), "leave_out", self.leave_out, limit)
         require(0 <= self.skip_s <= 1e7, "skip_s", self.skip_s, "[0, 1e7] s")
         for name in ("odometry_latency_s", "sonar_latency_s", "laser_latency_s"):
             value = getattr(self, name)
@@ -86,6 +90,7 @@ class RecordedRobot(Robot[RecordedRobotParams]):
         self._cones = params.cones
         self._notes = list(self._recording.notes)
         model = load_robot(params.robot) if params.robot is not None else None
+        self._left_out = {"laser": Sweep, "sonar": Echoes, "": Echoes if self._cones else None}[params.leave_out]
         self._description = self._describe(model)
         self._latencies_s = _latencies(params, model)
         self._standing = Odometry not in self._recording.first_s
@@ -101,7 +106,7 @@ class RecordedRobot(Robot[RecordedRobotParams]):
             Echoes: SONAR_SCAN,
             Sweep: SONAR_SCAN if self._cones else LASER_SCAN,
         }
-        heard = [t for t in kinds if t in self._recording.first_s and not (self._cones and t is Echoes)]
+        heard = [t for t in kinds if t in self._recording.first_s and t is not self._left_out]
         self.provides = tuple(dict.fromkeys([*([ODOMETRY] if self._standing else []), *(kinds[t] for t in heard)]))
         first_s = min(self._recording.first_s[t] - self._latencies_s[t] for t in heard)
         self._start_s = first_s + params.skip_s
@@ -151,7 +156,8 @@ class RecordedRobot(Robot[RecordedRobotParams]):
     def _describe(self, model: RobotModel | None) -> RobotDescription:
         """Return the body that the robot file or the parameters give, with the recording's sensors."""
         params, recording = self.params, self._recording
-        sonars, lasers = recording.sonars, recording.lasers
+        sonars = recording.sonars if params.leave_out != "sonar" else ()
+        lasers = recording.lasers if params.leave_out != "laser" else ()
         if self._cones:
             if not lasers:
                 raise RecordingError(
@@ -193,7 +199,7 @@ class RecordedRobot(Robot[RecordedRobotParams]):
         if isinstance(value, Odometry):
             yield self._reading(ODOMETRY, stamp_s, value)
             return
-        if isinstance(value, Echoes) and self._cones:
+        if type(value) is self._left_out:
             return
         if self._standing:
             yield self._reading(ODOMETRY, stamp_s, STANDING)

@@ -64,6 +64,18 @@ def test_the_beginning_can_be_left_out(log: Path) -> None:
         RecordedRobotParams(path=log, skip_s=-1.0)
 
 
+def test_a_kind_of_sensor_can_be_left_out(log: Path) -> None:
+    whole, blind = robot(log), robot(log, leave_out="laser")
+    assert tuple(blind.provides) == (ODOMETRY,)
+    assert blind.description.lasers == ()
+    odometry = [r for r in whole.advance(inf) if r.kind is ODOMETRY]
+    assert [r.value for r in blind.advance(inf)] == [r.value for r in odometry]
+    with pytest.raises(MissionError, match=r"leave_out = 'lasers' is outside 'laser', 'sonar' or nothing"):
+        RecordedRobotParams(path=log, leave_out="lasers")
+    with pytest.raises(MissionError, match=r"leave_out = 'sonar' is outside nothing: cones are made of the laser"):
+        RecordedRobotParams(path=log, leave_out="sonar", cones=4)
+
+
 def test_poses_of_one_stamp_are_told_apart_in_the_files_order(tmp_path: Path, small_log: list[str]) -> None:
     lines = [line.replace("1000.400000", "1000.500000").replace("1000.600000", "1000.500000") for line in small_log]
     path = tmp_path / "ties.log"
