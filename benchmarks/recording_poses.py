@@ -24,12 +24,10 @@ from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core a run
 
-import numpy as np
-
 from blackboard.kinds import CORRECTED_PATH
 from blackboard.mission import find_mission, load_mission, parse_settings, shipped_missions
 from blackboard.report.pose_scores import PathError, path_error
-from blackboard.report.result import Trajectory
+from blackboard.report.trajectory_file import read_trajectory
 from blackboard.runner import Run, RunOptions
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "sonar"
@@ -67,13 +65,6 @@ class Piece:
     length_s: float = inf
 
 
-def read_tum(path: Path) -> Trajectory:
-    """Return the poses of a TUM file, (n, 4), in the order of their stamps."""
-    rows = np.loadtxt(path, ndmin=2)
-    rows = rows[np.argsort(rows[:, 0], kind="stable")]
-    return np.column_stack([rows[:, :3], 2.0 * np.arctan2(rows[:, 6], rows[:, 7])])
-
-
 def score(recording: Path, truth: Path, robot: Mapping[str, Any], piece: Piece) -> tuple[PathError, float]:
     """Run a chain on its piece; return the error of its path and the seconds that it took."""
     started = process_time()
@@ -84,7 +75,7 @@ def score(recording: Path, truth: Path, robot: Mapping[str, Any], piece: Piece) 
     run.robot.close()
     corrected = run.board.newest(CORRECTED_PATH)
     path = run.trajectory() if corrected is None else corrected.value.poses.unpack()
-    error = path_error(path, read_tum(truth), aligned=True)
+    error = path_error(path, read_trajectory(truth), aligned=True)
     if error is None:
         raise SystemExit(f"{truth} has no pose in the time of {recording}")
     return error, process_time() - started

@@ -16,7 +16,7 @@ PAGE = HERE.parent / "docs" / "measurements.md"
 HEAD = """# Measurements
 
 What the benchmarks printed, written by `python benchmarks/write_measurements.py`. Times differ between machines and from run to
-run: the ratios, each to a baseline measured in the same run, tell more. Machine: {machine}, Python {python}, one core used.
+run: the ratios, each to a baseline measured in the same run, tell more. Machine: {machine}, Python {python}, one core a run.
 
 Recordings are read from `../shared/data` beside the checkout, which is not part of the project; name your own instead.
 """
@@ -67,6 +67,11 @@ BENCHMARKS = (
         "Ablation on a recording",
         "What each part of the chain is worth on autolab: the whole of it, and pieces of eight minutes.",
         ("recording_poses.py",),
+    ),
+    (
+        "Lines with the grid and without",
+        "What filter-raw is worth.",
+        ("lines_with_grid.py",),
     ),
     ("The main job", "Ten simulated minutes of `explore-lab`, journal written, no pictures.", ("main_job.py",)),
     ("Memory", "Two simulated hours of `explore-lab`.", ("main_job.py", "--memory")),

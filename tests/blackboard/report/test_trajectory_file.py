@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blackboard.report.trajectory_file import write_trajectory
+from blackboard.errors import RecordingError
+from blackboard.report.trajectory_file import read_trajectory, write_trajectory
 
 SCORER = Path(__file__).resolve().parents[3] / "../shared/tools/trajectory_error.py"
 
@@ -33,6 +34,9 @@ def test_what_is_read_back_is_what_was_written(tmp_path_factory, stamp_s, x_m, y
     (row,) = read(path)
     assert row[:3] == pytest.approx([stamp_s, x_m, y_m], abs=2e-6)
     assert abs(np.sin((row[3] - heading_rad) / 2)) < 1e-8
+    again = read_trajectory(path)[0]
+    assert again[:3] == pytest.approx(row[:3])
+    assert abs(np.sin((again[3] - heading_rad) / 2)) < 1e-8
 
 
 def test_unix_stamps_keep_their_microseconds(tmp_path):
@@ -57,3 +61,23 @@ def test_the_scorer_reads_both_files(tmp_path, path):
     assert error["length_m"] == pytest.approx(3.0)
     assert error["max_m"] == pytest.approx(0.3, abs=1e-5)
     assert error["max_deg"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_trajectory_is_read_in_the_order_of_its_stamps(tmp_path):
+    path = tmp_path / "truth.tum"
+    path.write_text("# stamp x y z qx qy qz qw\n2 1 0 0 0 0 1 0\n\n1 5 6 0.1 0 0 0.6 0.8\n")
+    assert read_trajectory(path) == pytest.approx(
+        np.array([[1.0, 5.0, 6.0, 2 * np.arctan2(0.6, 0.8)], [2.0, 1.0, 0.0, pi]])
+    )
+    path.write_text("")
+    assert read_trajectory(path).shape == (0, 4)
+
+
+@pytest.mark.parametrize("text", ["1 2 3\n", "1 2 3 4 5 6 7 x\n", "1 2 3 4 5 6 7 8\n1 2\n"])
+def test_what_is_no_trajectory(tmp_path, text):
+    path = tmp_path / "truth.tum"
+    path.write_text(text)
+    with pytest.raises(RecordingError, match=r"truth\.tum: not a trajectory"):
+        read_trajectory(path)
+    with pytest.raises(RecordingError, match="cannot be read"):
+        read_trajectory(tmp_path / "none.tum")
