@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from blackboard.entry import Entry
 from blackboard.kinds import Kind
@@ -170,6 +171,10 @@ class Robot(Component[P], ABC):
 
     def truth(self) -> WorldTruth | None:
         """Return the world as it is, for scores; None where nobody knows."""
+        return None
+
+    def drawn_lines(self) -> npt.NDArray[np.float64] | None:
+        """Return the lines that others drew for the same map, (n, 4) by their ends, m; None where nobody did. Only for scores."""
         return None
 
     def summary(self) -> dict[str, float | int | str]:

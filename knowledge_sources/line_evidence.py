@@ -28,6 +28,8 @@ def stretches(echoes: Echoes, fit: Fit, tolerance_m: float) -> tuple[Array, Arra
     farthest = np.sqrt(np.maximum((echoes.range_m + tolerance_m) ** 2 - distance**2, 0.0))
     nearest = np.sqrt(np.maximum((echoes.range_m - tolerance_m) ** 2 - distance**2, 0.0))
     beam = echoes.half_cone_rad == 0.0
+    place = beam & (echoes.range_m == 0.0)  # seen from nobody knows where: it lies at its foot
+    low, high = np.where(place, 0.0, low), np.where(place, 0.0, high)
     first = np.where(beam, low, np.maximum(low, np.where(low >= 0.0, nearest, -farthest)))
     last = np.where(beam, high, np.minimum(high, np.where(high <= 0.0, -nearest, farthest)))
     return foot + first, foot + last

@@ -7,7 +7,7 @@ Posts         observations/feature/line/<batch>-<n>  Line, <batch> being the rev
 
 Echoes of sonars that no line claimed wait, and are searched together when there are enough of them: a line's supports name the
 stretch of batches that its echoes came in. Source: Bou-Ghannam 1992, section 5.2.3, steps 1 to 8; its functions and what goes
-beyond them are in `line_search`.
+beyond them are in `line_search` and `place_search`.
 """
 
 from collections import deque
@@ -23,7 +23,8 @@ from blackboard.messages.model import LineSet
 from blackboard.messages.world import Line, PointSet
 from knowledge_sources.leftover_echoes import Leftovers
 from knowledge_sources.line_finder_params import LineFinderParams
-from knowledge_sources.line_search import as_echoes, as_line, find_pieces
+from knowledge_sources.line_methods import as_echoes, find_pieces
+from knowledge_sources.line_search import as_line
 
 
 class LineFinder(KnowledgeSource[LineFinderParams]):

@@ -1,4 +1,4 @@
-"""From a batch of range readings to lines, by either method.
+"""From a batch of range readings to lines, by either method (a third, for points of a whole map, is `place_search`).
 
 Method "axis" is Bou-Ghannam 1992, section 5.2.3: steps 1 to 8, which are the functions of `hough`, `line_clusters` and
 `line_points` in that order, and no more. Method "tangent" takes an echo for what it is, heard somewhere in a cone (Tardos et al.
@@ -11,17 +11,15 @@ from math import cos, pi, sin
 import numpy as np
 
 from blackboard.messages.geometry import Point, wrap_angle
-from blackboard.messages.world import Line, PointSet
+from blackboard.messages.world import Line
 from knowledge_sources.echoes import (
     Array,
     Echoes,
     Index,
-    echoes_of,
     expected_ranges,
     met,
     near_lines,
     on_wall,
-    points_on_axis,
 )
 from knowledge_sources.hough import HoughSpace, accumulate, cell_lines, chance_threshold, heaviest_nearby, heavy_cells
 from knowledge_sources.line_clusters import cluster_lines, mean_line
@@ -45,26 +43,6 @@ class Piece:
     end_m: float
     members: Index  # of the echoes
     largest_m: float  # distance of a member from it
-
-
-def find_lines(points: PointSet, largest_gap_m: float, params: LineFinderParams) -> list[Line]:
-    """Return the lines of a batch, best supported first; lines break where points are `largest_gap_m` apart."""
-    return [as_line(piece) for piece in find_pieces(as_echoes(points, params), largest_gap_m, params)]
-
-
-def as_echoes(points: PointSet, params: LineFinderParams) -> Echoes:
-    """Return a batch's readings as the method takes them."""
-    if params.method == "axis":
-        return points_on_axis(points)
-    return echoes_of(points, params.max_incidence_rad, params.max_beam_incidence_rad)
-
-
-def find_pieces(echoes: Echoes, largest_gap_m: float, params: LineFinderParams) -> list[Piece]:
-    """Return the pieces of lines among readings."""
-    if len(echoes) == 0:
-        return []
-    search = lines_of_points if params.method == "axis" else lines_of_echoes
-    return search(echoes, largest_gap_m, params)
 
 
 def lines_of_points(points: Echoes, largest_gap_m: float, params: LineFinderParams) -> list[Piece]:
@@ -152,7 +130,7 @@ def clustered_lines(echoes: Echoes, params: LineFinderParams) -> tuple[Array, Ar
     votes = accumulate(echoes, space)
     i, j = heavy_cells(votes, chance_threshold(votes, params.min_votes, params.chance_sigmas))
     resolution_m = np.inf
-    if params.method == "tangent":
+    if params.method != "axis":
         peaks = heaviest_nearby(votes, i, j, PEAK_ALPHA_CELLS, PEAK_RHO_CELLS)
         i, j, resolution_m = i[peaks], j[peaks], params.cluster_resolution_m
     alpha, rho = cell_lines(space, i, j)
@@ -180,7 +158,7 @@ def straight_pieces(
     fit, along, out = refit(own, alpha_rad, rho_m, rounds=2)
     by_place = order(along, np.arange(len(members)))
     at, better = bend(along[by_place], out[by_place], params.min_support // 2)
-    if better > params.max_bend:
+    if better > params.max_bend and fit.spread_m > params.min_bent_spread_m:
         halves = members[by_place[:at]], members[by_place[at:]]
         return [p for half in halves for p in straight_pieces(echoes, half, fit.alpha_rad, fit.rho_m, params)]
     if fit.spread_m > params.max_spread_m or fit.tilt_rad > params.max_tilt_rad:

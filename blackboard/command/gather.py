@@ -4,16 +4,18 @@ from dataclasses import replace
 from math import atan2, cos, pi, sin
 
 import numpy as np
+import numpy.typing as npt
 
 from blackboard.board import Board
 from blackboard.entry import Entry
 from blackboard.grid import Grid
-from blackboard.kinds import CORNER, CORRECTED_PATH, GRID, LINE, MODEL_LINE, TARGET, TRAP
+from blackboard.kinds import CORNER, CORRECTED_PATH, GRID, LINE, MODEL_LINE, SUPPORTED_POINTS, TARGET, TRAP
 from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.messages.model import ModelLine
 from blackboard.messages.world import Line
 from blackboard.report.animation import Frame
 from blackboard.report.corner_scores import corner_scores
+from blackboard.report.drawn_lines import drawn_lines_table
 from blackboard.report.pose_scores import pose_table
 from blackboard.report.result import RunResult, driven_m
 from blackboard.report.scores import score_table
@@ -33,6 +35,7 @@ def gather(run: Run, title: str) -> RunResult:
         robot=run.robot.description,
         trajectory=trajectory,
         grid=Grid.from_tiles(entry.value for entry in run.board.entries(GRID)),
+        points=points_of(run.board),
         lines=lines_of(run.board),
         corners=[entry.value for entry in run.board.entries(CORNER)],
         targets=[entry.value for entry in run.board.entries(TARGET)],
@@ -48,9 +51,16 @@ def gather(run: Run, title: str) -> RunResult:
     table |= {"lines": len(result.lines)} | {name: count for name, count in symbols.items() if count}
     table |= {"posts": run.board.posts}
     table |= pose_table(result.trajectory, result.true_trajectory)
+    table |= drawn_lines_table([entry.value for entry in result.lines], run.robot.drawn_lines(), result.points)
     table |= score_table(result)
     table |= corner_scores(result.corners, result.truth)
     return replace(result, table=table)
+
+
+def points_of(board: Board) -> npt.NDArray[np.float64] | None:
+    """Return the points of the newest batch, (n, 2) m; None where there was none."""
+    batch = board.newest(SUPPORTED_POINTS)
+    return batch.value.points.unpack().astype(np.float64) if batch is not None else None
 
 
 def lines_of(board: Board) -> list[Entry[Line]]:

@@ -10,6 +10,7 @@ from typing import NoReturn
 VERBS = {
     "run": "run a mission: simulated robot, knowledge sources, behaviours",
     "map": "build a map from a recording",
+    "lines": "find the lines in a map of points, such as an ARIA map",
     "check": "check a mission file without running it",
     "vocabulary": "print every kind of entry, with its JSON Schema",
     "why": "explain an entry of a run, down to the readings",

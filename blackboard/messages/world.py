@@ -34,7 +34,7 @@ class PointSet(Message, frozen=True, kw_only=True):
     """Range readings as points, map frame: float32 (n, 2), metres.
 
     `sensed_from` is float32 (n, 2): where the sensor stood for each point. `half_cone_rad` is float32 (n,): half the width
-    of the cone that the point was heard in (0 for a laser beam).
+    of the cone that the point was heard in (0 for a laser beam). Where nobody knows where the sensor stood, it is the point itself.
     """
 
     points: PackedArray

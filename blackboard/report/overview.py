@@ -36,6 +36,7 @@ PATH_SAMPLE_PX = 60  # the legend of a long run on a narrow map must still fit
 CROWDED_ITEMS = 8  # more of them in the legend are written smaller
 TITLE_LETTERS = 48  # as many of the widest kind as fit
 SHAPE = (0.35, 0.9)  # height over width of the map's part
+POINT_M, POINT_PX = 0.02, 1.5  # how large points are drawn, and no smaller than this
 SMALLEST_ROBOT_PX = 9.0  # radius below which a ring around the robot shows where it stands
 
 
@@ -55,7 +56,8 @@ def write_overview(result: RunResult, path: Path) -> None:
 def overview_figure(result: RunResult) -> Figure:
     """Return the overview as a figure with its own canvas."""
     ends = segments([e.value for e in result.lines])
-    view = view_of(result.grid, result.trajectory, ends, result.robot.radius_m).widened(*SHAPE)
+    shown = ends if result.grid is not None or result.points is None else np.vstack([ends, np.tile(result.points, 2)])
+    view = view_of(result.grid, result.trajectory, shown, result.robot.radius_m).widened(*SHAPE)
     map_width_px = WIDTH_PX - 2 * EDGE_PX
     map_height_px = round(map_width_px * view.height_m / view.width_m)
     height_px = HEAD_PX + map_height_px + FOOT_PX
@@ -85,6 +87,8 @@ def main_figures(result: RunResult) -> str:
     if result.grid is not None:
         known = int((result.grid.cells != UNKNOWN).sum()) * result.grid.cell_m**2
         parts.append(f"{known:.0f} m² mapped")
+    elif result.points is not None:
+        parts.append(f"{len(result.points):,} points")
     if result.lines:
         parts.append(f"{len(result.lines)} line{'s' if len(result.lines) > 1 else ''}")
     return "   ·   ".join(parts)
@@ -97,6 +101,16 @@ def _draw_map(axes: "Axes", result: RunResult, view: View, px_per_m: float) -> N
             extent = (covered.x_min_m, covered.x_max_m, covered.y_min_m, covered.y_max_m)
             axes.imshow(picture, extent=extent, interpolation="nearest", aspect="auto", zorder=1)
             axes.set(xlim=(view.x_min_m, view.x_max_m), ylim=(view.y_min_m, view.y_max_m))
+    elif result.points is not None:
+        size = (max(POINT_PX, POINT_M * px_per_m) * 72 / DPI) ** 2
+        axes.scatter(
+            result.points[:, 0],
+            result.points[:, 1],
+            s=size,
+            color=_rgb(palette.OCCUPIED_COLOUR),
+            linewidths=0,
+            zorder=1,
+        )
     path = result.trajectory
     if len(path) > 1:
         kept = path[simplified(path[:, 1:3], 2.0 / px_per_m)]
@@ -176,6 +190,8 @@ def _draw_foot(page: "Axes", result: RunResult, px_per_m: float, view: View) -> 
             ("occupied", palette.OCCUPIED_COLOUR),
         )
         items += [_Item(26, name, _swatch(colour)) for name, colour in swatches]
+    elif result.points is not None:
+        items.append(_Item(26, "points", _points_sample))
     if result.lines:
         items.append(_Item(44, "line", _draw_line_sample))
     if result.corners:
@@ -218,6 +234,10 @@ def _swatch(colour: palette.Colour) -> Callable[["Axes", float, float], None]:
         page.add_patch(Rectangle((x, y - 13), 26, 26, facecolor=_rgb(colour), edgecolor=edge, linewidth=0.5))
 
     return draw
+
+
+def _points_sample(page: "Axes", x: float, y: float) -> None:
+    page.scatter([x + 4, x + 12, x + 21], [y - 3, y + 4, y - 1], s=6, color=_rgb(palette.OCCUPIED_COLOUR), linewidths=0)
 
 
 def _draw_line_sample(page: "Axes", x: float, y: float) -> None:

@@ -47,6 +47,7 @@ class RunResult:
     robot: RobotDescription
     trajectory: Trajectory
     grid: GridView | None = None
+    points: npt.NDArray[np.float64] | None = None  # (n, 2): shown where there is no grid
     lines: Sequence[Entry[Line]] = ()
     corners: Sequence[Corner] = ()
     targets: Sequence[Target] = ()

@@ -83,9 +83,9 @@ def line_score(lines: list[Line], truth: WorldTruth, trajectory: Trajectory, ran
     ends = segments(lines)
     ends = ends[(ends[:, :2] != ends[:, 2:]).any(axis=1)]
     found = seen.copy()
-    found[seen] = _covered(walls.points[seen], walls.directions[seen], ends)
+    found[seen] = covered(walls.points[seen], walls.directions[seen], ends, LINE_M, LINE_RAD)
     drawn = sample(ends, SAMPLE_M)
-    spurious = ~_covered(drawn.points, drawn.directions, edges)
+    spurious = ~covered(drawn.points, drawn.directions, edges, LINE_M, LINE_RAD)
     visible_m, lines_m = float(walls.weights_m[seen].sum()), float(drawn.weights_m.sum())
     return LineScore(
         visible_m=visible_m,
@@ -93,6 +93,27 @@ def line_score(lines: list[Line], truth: WorldTruth, trajectory: Trajectory, ran
         lines_m=lines_m,
         spurious_fraction=_fraction(float(drawn.weights_m[spurious].sum()), lines_m),
     )
+
+
+def covered(
+    points: npt.NDArray[np.float64],
+    directions: npt.NDArray[np.float64],
+    ends: Segments,
+    distance_m: float,
+    angle_rad: float,
+) -> npt.NDArray[np.bool_]:
+    """Return which points (n, 2) lie no further than this from a segment whose direction differs no more from theirs."""
+    found = np.zeros(len(points), dtype=np.bool_)
+    tree = shapely.STRtree(shapely.points(points))
+    drawn = shapely.linestrings(ends.reshape(-1, 2, 2))
+    end, point = tree.query(
+        drawn, predicate="dwithin", distance=distance_m + 1e-9
+    )  # every pair that is near, (k,) each
+    spans = ends[end, 2:] - ends[end, :2]
+    sine = directions[point, 0] * spans[:, 1] - directions[point, 1] * spans[:, 0]
+    parallel = np.abs(sine) <= np.hypot(spans[:, 0], spans[:, 1]) * np.sin(angle_rad + 1e-9)
+    found[point[parallel]] = True
+    return found
 
 
 def area_decided(grid: GridView | None, truth: WorldTruth, start: Pose, radius_m: float = 0.0) -> float:
@@ -152,21 +173,6 @@ def _within(points: npt.NDArray[np.float64], geometry: shapely.Geometry, distanc
     """Return how many points (n, 2) lie no further than this from the geometry."""
     shapely.prepare(geometry)
     return int(shapely.dwithin(geometry, shapely.points(points), distance_m + 1e-9).sum())
-
-
-def _covered(
-    points: npt.NDArray[np.float64], directions: npt.NDArray[np.float64], ends: Segments
-) -> npt.NDArray[np.bool_]:
-    """Return which points (n, 2) lie within LINE_M of a segment whose direction is within LINE_RAD of theirs."""
-    covered = np.zeros(len(points), dtype=np.bool_)
-    tree = shapely.STRtree(shapely.points(points))
-    drawn = shapely.linestrings(ends.reshape(-1, 2, 2))
-    end, point = tree.query(drawn, predicate="dwithin", distance=LINE_M + 1e-9)  # every pair that is near, (k,) each
-    spans = ends[end, 2:] - ends[end, :2]
-    sine = directions[point, 0] * spans[:, 1] - directions[point, 1] * spans[:, 0]
-    parallel = np.abs(sine) <= np.hypot(spans[:, 0], spans[:, 1]) * np.sin(LINE_RAD + 1e-9)
-    covered[point[parallel]] = True
-    return covered
 
 
 def _fraction(part: float, whole: float) -> float | None:

@@ -27,8 +27,10 @@ def write_results(result: RunResult, folder: Path, frames: Sequence[Frame] = ())
             write_ros_map(known, folder)
             written += ["grid.png", "map.pgm", "map.yaml"]
         write_lines(result.lines, folder / "lines.geojson")
-        write_trajectory(result.trajectory, folder / "trajectory.tum")
-        written += ["lines.geojson", "trajectory.tum"]
+        written.append("lines.geojson")
+        if len(result.trajectory):
+            write_trajectory(result.trajectory, folder / "trajectory.tum")
+            written.append("trajectory.tum")
         if result.true_trajectory is not None:
             write_trajectory(result.true_trajectory, folder / "truth.tum")
             written.append("truth.tum")
@@ -37,7 +39,7 @@ def write_results(result: RunResult, folder: Path, frames: Sequence[Frame] = ())
         if frames:
             write_animation(frames, result.robot.radius_m, folder / "map.gif")
             written.append("map.gif")
-        for name in ("grid.png", "map.pgm", "map.yaml", "truth.tum", "map.gif"):
+        for name in ("grid.png", "map.pgm", "map.yaml", "trajectory.tum", "truth.tum", "map.gif"):
             if name not in written:
                 (folder / name).unlink(missing_ok=True)
     except OSError as error:

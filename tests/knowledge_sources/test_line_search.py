@@ -12,7 +12,8 @@ from blackboard.messages.geometry import pack_array
 from blackboard.messages.world import Line, PointSet
 from knowledge_sources.echoes import echoes_of, expected_ranges, in_order
 from knowledge_sources.line_finder_params import LineFinderParams
-from knowledge_sources.line_search import find_lines, lines_of_echoes
+from knowledge_sources.line_methods import find_lines
+from knowledge_sources.line_search import lines_of_echoes
 
 Floats = npt.NDArray[np.float64]
 DIAMETER_M = 0.6

@@ -37,7 +37,7 @@ def test_the_map_is_cut_to_what_is_known(result, tmp_path):
 def test_nothing_known_leaves_what_there_is(result, tmp_path, make_grid):
     nothing = replace(result, grid=make_grid(np.full((4, 4), 128)), lines=[], trajectory=np.empty((0, 4)))
     written = write_results(replace(nothing, true_trajectory=None), tmp_path)
-    assert written == ["lines.geojson", "overview.png", "trajectory.tum"]
+    assert written == ["lines.geojson", "overview.png"]
     assert json.loads((tmp_path / "lines.geojson").read_text())["features"] == []
 
 

@@ -1,0 +1,1 @@
+"""Maps made of points, as others wrote them."""
