@@ -12,6 +12,7 @@ The recording is autolab of ../shared/data unless another is named: 16 sonars wh
 
 import argparse
 import os
+import tempfile
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core a run
 
 from blackboard.kinds import CORRECTED_PATH
-from blackboard.mission import find_mission, load_mission, parse_settings, shipped_missions
+from blackboard.mission import Mission, find_mission, load_mission, parse_settings, shipped_missions
 from blackboard.report.pose_scores import PathError, path_error
 from blackboard.report.trajectory_file import read_trajectory
 from blackboard.runner import Run, RunOptions
@@ -35,11 +36,23 @@ DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "sonar"
 
 @dataclass(frozen=True)
 class Chain:
-    """A mission and what is set in it."""
+    """A mission, what is set in it, and sources that it lacks."""
 
     name: str
     mission: str
     settings: tuple[str, ...] = ()
+    added: tuple[str, ...] = ()
+
+    def load(self, robot: Mapping[str, Any]) -> Mission:
+        """Return the mission with this recording as its robot."""
+        path, settings = find_mission(self.mission), {**parse_settings(self.settings), "robot": robot}
+        if not self.added:
+            return load_mission(path, settings)
+        with tempfile.TemporaryDirectory() as folder:
+            more = Path(folder) / path.name
+            tables = (f'\n[[knowledge_source]]\nuse = "{use}"\n' for use in self.added)
+            more.write_text(path.read_text("utf-8") + "".join(tables), "utf-8")
+            return load_mission(more, settings)
 
 
 CHAINS = (
@@ -52,6 +65,9 @@ CHAINS = (
     Chain("+ filter-raw", "map-recording-lines", ("line_finder.method=axis",)),
     Chain("+ tangent lines, filter-raw off", "map-recording-lines", ("filter_raw.use_grid=false",)),
     Chain("+ tangent lines, filter-raw on", "map-recording-lines"),
+    Chain(  # as hypotheses: the pose has both parts of the shift from a corner's two lines already
+        "+ corners", "map-recording-lines", added=("knowledge_sources.corners:Corners",)
+    ),
     Chain("grid matcher", "map-recording-sonar"),
 )
 
@@ -68,9 +84,8 @@ class Piece:
 def score(recording: Path, truth: Path, robot: Mapping[str, Any], piece: Piece) -> tuple[PathError, float]:
     """Run a chain on its piece; return the error of its path and the seconds that it took."""
     started = process_time()
-    settings = parse_settings(piece.chain.settings)
-    over = {**robot, "path": str(recording), "skip_s": piece.skip_s}
-    run = Run(load_mission(find_mission(piece.chain.mission), {**settings, "robot": over}), RunOptions(strict=True))
+    over = {**robot, "path": str(recording.absolute()), "skip_s": piece.skip_s}
+    run = Run(piece.chain.load(over), RunOptions(strict=True))
     run.run(piece.length_s)
     run.robot.close()
     corrected = run.board.newest(CORRECTED_PATH)
@@ -115,8 +130,9 @@ def main() -> None:
         scored = pool.map(partial(score, options.recording, options.truth, robot), pieces)
         for chain in chains:
             mine = [next(scored) for piece in pieces if piece.chain is chain]
+            seconds = sum(seconds for _, seconds in mine)
             whole = None if options.no_whole else mine.pop(0)[0]
-            print(row(chain.name, whole, [error for error, _ in mine], sum(seconds for _, seconds in mine)), flush=True)
+            print(row(chain.name, whole, [error for error, _ in mine], seconds), flush=True)
 
 
 def row(name: str, whole: PathError | None, pieces: list[PathError], seconds: float) -> str:
