@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blackboard.grid import Grid
-from knowledge_sources.frontiers import frontier_mask, frontiers, merged, pieces, place_to_stand, unknown_near
+from knowledge_sources.frontiers import frontier_mask, frontiers, in_sight, merged, pieces, place_to_stand, unknown_near
 
 
 def room(door: tuple[float, float] | None) -> Grid:
@@ -124,7 +124,12 @@ def test_the_place_to_stand_is_the_nearest_that_touches_nothing(seed: int, radiu
         clear = (apart > radius_m + margin_m) & (edge >= radius_m + margin_m)
         return float(np.where(clear, np.hypot(x - 1.6, y - 1.6), 9.0).min())
 
-    stand = place_to_stand(grid, 1.6, 1.6, radius_m, 1.0)
+    stand, seeing = (place_to_stand(grid, 1.6, 1.6, radius_m, 1.0, wall_m=wall_m) for wall_m in (2.0, 0.0))
+    if seeing is not None:
+        assert stand is not None
+        away_m = np.hypot(seeing.x_m - 1.6, seeing.y_m - 1.6)
+        assert away_m >= np.hypot(stand.x_m - 1.6, stand.y_m - 1.6)
+        assert in_sight(grid, (seeing.x_m, seeing.y_m), (1.6, 1.6), away_m)
     if stand is None:
         assert nearest_m(1e-9) > 1.0
     else:
