@@ -7,18 +7,22 @@ only take note (the control module puts an activation record on its agenda), so 
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from msgspec.structs import replace
+
 from blackboard.entry import Endorsement, Entry, Event, Strength, Support, Verdict
 from blackboard.errors import BoardError
 from blackboard.history import History, HistoryParams
 from blackboard.key_expressions import check_expression, is_chunk, matches
 from blackboard.kinds import Kind
 from blackboard.messages.base import Message
+from blackboard.uncertainty.endorsements import standing as still_standing
 from blackboard.vocabulary import Vocabulary, checked
 
 M = TypeVar("M", bound=Message)
 Area = tuple[float, float, float, float]
 Watcher = Callable[[Entry[Any]], None]
 Journal = Callable[[Entry[Any], bytes], None]
+MAX_ENDORSEMENTS = 500  # of one entry; of an endless back and forth the newest are kept
 
 
 class Board:
@@ -194,6 +198,8 @@ class Board:
         if standing is None:
             raise BoardError(f"{key}: nothing stands there to be endorsed")
         stamp = max(self.now_s, standing.stamp_s)
+        if len(standing.endorsements) >= MAX_ENDORSEMENTS:
+            standing = replace(standing, endorsements=_without_oldest(standing.endorsements))
         said = Endorsement(who=who, verdict=verdict, why=why, stamp_s=stamp, about=about, strength=strength)
         entry = _next(standing, event="revised", stamp_s=stamp, source=standing.source, added=(said,))
         self._standing[key] = entry
@@ -238,6 +244,13 @@ def _within(entry: Entry[Any], area: Area | None, since_s: float | None, until_s
     return extent is not None and (
         extent[0] <= area[2] and extent[2] >= area[0] and extent[1] <= area[3] and extent[3] >= area[1]
     )
+
+
+def _without_oldest(endorsements: tuple[Endorsement, ...]) -> tuple[Endorsement, ...]:
+    """Return all but the oldest that does not stand any more; the record still has it."""
+    stands = still_standing(endorsements)
+    oldest = next((i for i, e in enumerate(endorsements) if e not in stands), 0)
+    return endorsements[:oldest] + endorsements[oldest + 1 :]
 
 
 def _next(

@@ -187,3 +187,16 @@ class Grid:
 def tile_id(tile: GridTile) -> str:
     """Return the id that a tile has on the board."""
     return f"{tile.column}_{tile.row}"
+
+
+def way_is_empty(grid: Grid, start: tuple[float, float], end: tuple[float, float], half_width_m: float) -> bool:
+    """Say whether all cells on the straight way between two places, so wide to either side and beyond its end, count as empty."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    length = float(np.hypot(dx, dy))
+    along_x, along_y = (dx / length, dy / length) if length > 0.0 else (1.0, 0.0)
+    step = grid.cell_m / 2
+    forward = np.arange(0.0, length + half_width_m + step, step)
+    aside = np.linspace(-half_width_m, half_width_m, 2 * int(np.ceil(half_width_m / step)) + 1)
+    xs = start[0] + forward[:, None] * along_x - aside * along_y
+    ys = start[1] + forward[:, None] * along_y + aside * along_x
+    return bool((grid.values_at(np.stack([xs.ravel(), ys.ravel()], axis=1)) <= EMPTY_MAX).all())

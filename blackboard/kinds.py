@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 from blackboard.errors import BoardError
 from blackboard.key_expressions import is_chunk
-from blackboard.messages import control, mapping, model, motion, sensing, symbols, world
+from blackboard.messages import conflicts, control, mapping, model, motion, sensing, symbols, world
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
 
@@ -93,6 +93,10 @@ CORNER = collection("hypotheses/symbol/corner", symbols.Corner, "where two lines
 LINE_RELATION = collection("hypotheses/symbol/line_relation", symbols.LineRelation, "lines that are parallel or collinear")
 TARGET = collection("hypotheses/symbol/target", symbols.Target, "a place worth a visit", shared=True)
 TRAP = collection("hypotheses/symbol/trap", symbols.Trap, "where reflexes alone would stay", shared=True)
+CHANGE = collection("hypotheses/symbol/change", conflicts.Change, "where the map and what is seen differ")
+TWO_PART_OBJECT = collection("hypotheses/symbol/two_part_object", conflicts.TwoPartObject, "a body and its part", shared=True)
+VERDICT = collection("hypotheses/symbol/verdict", conflicts.Verdict, "what the reasons for a hypothesis amount to", shared=True)
+RESOLUTION_TASK = collection("motivations/resolution_task", conflicts.ResolutionTask, "what to do about a doubt")
 ROBOT = slot("status/robot", sensing.RobotDescription, "body and sensors of the robot")
 COMPONENT = collection("status/component", control.ComponentStatus, "whether a component works", shared=True)
 BEHAVIOUR = collection("status/behaviour", motion.BehaviourStatus, "where a behaviour stands", shared=True)

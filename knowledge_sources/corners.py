@@ -3,6 +3,7 @@
 Triggered by  observations/feature/line or hypotheses/feature/model_line    Line, ModelLine: at most once in an interval
 Reads         hypotheses/feature/grid                                       GridTile: on which side there is room
 Posts         hypotheses/symbol/corner/<wall>-<wall>                        Corner
+              hypotheses/symbol/verdict/corner.*                            Verdict
 
 A corner stands as long as its lines meet there; when they no longer do it is endorsed against and retracted. Source: Bou-Ghannam
 1992, sections 4.1 (the corner detector, and that corners indoors are the intersection of two walls) and 5.2.4.
@@ -15,14 +16,16 @@ from typing import Any
 from blackboard.access import Access
 from blackboard.component import KnowledgeSource, Trigger
 from blackboard.entry import Entry
-from blackboard.kinds import CORNER, GRID
+from blackboard.kinds import CORNER, GRID, VERDICT
 from blackboard.messages.geometry import Point, wrap_angle
 from blackboard.messages.symbols import Corner
 from blackboard.parameters import require
+from blackboard.uncertainty.theories import Theory
 from knowledge_sources.corner_search import CornerLimits, Meeting, corners, sigmas
 from knowledge_sources.grid_mirror import GridMirror
 from knowledge_sources.line_kinds import Lines, line_kind
-from knowledge_sources.standing_hypotheses import Found, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Found, Reason, StandingHypotheses
+from knowledge_sources.verdicts import Verdicts
 from knowledge_sources.walls import WallLimits, Walls
 
 SUPPORTS_AN_ARM = 8  # the longest lines of a wall: more say the same again
@@ -44,6 +47,7 @@ class CornersParams:
     wall_angle_rad: float = WallLimits().angle_rad
     wall_offset_m: float = WallLimits().offset_m
     wall_gap_m: float = WallLimits().gap_m
+    theory: Theory = "endorsements"  # that weighs the reasons
     limits: CornerLimits = field(init=False)
     wall_limits: WallLimits = field(init=False)
 
@@ -91,7 +95,7 @@ class Corners(KnowledgeSource[CornersParams]):
     """Keeps a hypothesis for each place where two walls meet."""
 
     Params = CornersParams
-    posts = (CORNER,)
+    posts = (CORNER, VERDICT)
     rating = 4.0
     work = 5
 
@@ -102,7 +106,7 @@ class Corners(KnowledgeSource[CornersParams]):
         self.reads = (GRID,)
         self._walls = Walls(params.wall_limits)
         self._grid = GridMirror()
-        self._standing = StandingHypotheses(CORNER, differs)
+        self._standing = StandingHypotheses(CORNER, differs, Verdicts(params.theory))
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
@@ -124,4 +128,7 @@ class Corners(KnowledgeSource[CornersParams]):
         x, y, reach = meeting.x_m, meeting.y_m, LOOKED_AT_M
         tiles = self._grid.tiles_in(x - reach, y - reach, x + reach, y + reach) if why else []
         lines = [*meeting.first.entries[:SUPPORTS_AN_ARM], *meeting.second.entries[:SUPPORTS_AN_ARM]]
-        return Found(as_corner(meeting), [*lines, *tiles], why)
+        reasons = [Reason("its lines meet there, or nearly", "lines")]
+        if why:
+            reasons.append(Reason(why, "room"))
+        return Found(as_corner(meeting), [*lines, *tiles], reasons)

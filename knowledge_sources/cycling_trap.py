@@ -22,7 +22,7 @@ from blackboard.messages.geometry import Point, Pose
 from blackboard.messages.symbols import Trap
 from blackboard.parameters import require
 from knowledge_sources.poses import READS, map_from_robot_at
-from knowledge_sources.standing_hypotheses import Found, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Found, Reason, StandingHypotheses
 
 Place = tuple[int, int]
 WHY = "the same places again, and the grid shows nothing new"
@@ -137,7 +137,7 @@ class CyclingTrap(KnowledgeSource[CyclingTrapParams]):
         if trap is not None and not self._trapped:
             self._number += 1
         self._trapped = trap is not None
-        kept = {} if trap is None else {f"cycling-{self._number}": Found(trap, supports, WHY)}
+        kept = {} if trap is None else {f"cycling-{self._number}": Found(trap, supports, [Reason(WHY)])}
         self._standing.keep(board, kept, lambda _: "the robot came to new places, or the map grew")
 
     def _decided_m2(self, board: Access) -> float:

@@ -3,6 +3,7 @@
 Triggered by  hypotheses/feature/grid                  GridTile: at most once in an interval
 Reads         status/robot                             RobotDescription, for its radius
 Posts         hypotheses/symbol/target/frontier-<n>    Target
+              hypotheses/symbol/verdict/target.*       Verdict
 
 Only where a robot of its size could stand near by in known empty space. Source: Bou-Ghannam 1992, sections 4.1 and 6.1: "the
 center of a sizable boundary between empty and unknown space in the EOU representation".
@@ -16,15 +17,17 @@ from blackboard.access import Access
 from blackboard.component import KnowledgeSource, Trigger
 from blackboard.entry import Entry
 from blackboard.grid import Grid
-from blackboard.kinds import GRID, ROBOT, TARGET
+from blackboard.kinds import GRID, ROBOT, TARGET, VERDICT
 from blackboard.messages.geometry import Point
 from blackboard.messages.symbols import Target
 from blackboard.parameters import require
+from blackboard.uncertainty.theories import Theory
 from knowledge_sources.frontiers import frontiers, place_to_stand
 from knowledge_sources.grid_mirror import GridMirror
-from knowledge_sources.standing_hypotheses import Found, Names, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Found, Names, Reason, StandingHypotheses
+from knowledge_sources.verdicts import Verdicts
 
-WHY = "empty cells border on unknown ones over more than the robot is wide"
+WHY = Reason("empty cells border on unknown ones over more than the robot is wide", strength="strong")
 MOVED_M = 0.1
 GREW_FRACTION = 0.25
 LOOKED_AT_M = 0.5  # the tiles around a frontier's centre support its target
@@ -38,6 +41,7 @@ class FrontierTargetsParams:
     least_radii: float = 2.0  # of the robot: through a shorter frontier it could not go
     reach_radii: float = 2.0  # from the frontier's centre to where the robot could stand
     depth_cells: int = 3  # of unknown cells behind the frontier: thinner strips are a wall's blurred front
+    theory: Theory = "endorsements"  # that weighs the reasons
     same_m: float = 0.5  # a frontier whose centre moves by less is the same
 
     def __post_init__(self) -> None:
@@ -76,7 +80,7 @@ class FrontierTargets(KnowledgeSource[FrontierTargetsParams]):
 
     Params = FrontierTargetsParams
     reads = (ROBOT,)
-    posts = (TARGET,)
+    posts = (TARGET, VERDICT)
     rating = 3.0
     work = 5
 
@@ -85,7 +89,7 @@ class FrontierTargets(KnowledgeSource[FrontierTargetsParams]):
         self.triggers = (Trigger(kind=GRID, min_interval_s=params.interval_s),)
         self._grid = GridMirror()
         self._names = Names("frontier", params.same_m)
-        self._standing = StandingHypotheses(TARGET, differs)
+        self._standing = StandingHypotheses(TARGET, differs, Verdicts(params.theory))
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
@@ -99,7 +103,7 @@ class FrontierTargets(KnowledgeSource[FrontierTargetsParams]):
             return
         targets = frontier_targets(grid, robot.value.radius_m, self.params)
         names = self._names.name([(t.place.x_m, t.place.y_m) for t in targets])
-        found = {name: Found(target, self._tiles(target), WHY) for name, target in zip(names, targets, strict=True)}
+        found = {name: Found(target, self._tiles(target), [WHY]) for name, target in zip(names, targets, strict=True)}
         self._standing.keep(board, found, lambda _: "no sizable frontier is left there that the robot could come near")
 
     def _tiles(self, target: Target) -> list[Entry[Any]]:

@@ -3,6 +3,7 @@
 Triggered by  observations/feature/line or hypotheses/feature/model_line    Line, ModelLine: at most once in an interval
 Reads         hypotheses/feature/grid, status/robot                         GridTile, RobotDescription
 Posts         hypotheses/symbol/target/line_end-<n>                         Target
+              hypotheses/symbol/verdict/target.*                            Verdict
 
 Source: Bou-Ghannam 1992, section 6.1: "curious" locations at the end points of the lines, those in close vicinity regarded as one.
 Here an end is curious only while something is unknown around it, unless `only_where_unknown` is false.
@@ -16,15 +17,17 @@ from blackboard.access import Access
 from blackboard.component import KnowledgeSource, Trigger
 from blackboard.entry import Entry
 from blackboard.grid import Grid
-from blackboard.kinds import GRID, ROBOT, TARGET
+from blackboard.kinds import GRID, ROBOT, TARGET, VERDICT
 from blackboard.messages.geometry import Point
 from blackboard.messages.symbols import Target
 from blackboard.parameters import require
+from blackboard.uncertainty.theories import Theory
 from knowledge_sources.frontier_targets import differs
 from knowledge_sources.frontiers import frontier_mask, merged, place_to_stand, unknown_near
 from knowledge_sources.grid_mirror import GridMirror
 from knowledge_sources.line_kinds import Lines, line_kind
-from knowledge_sources.standing_hypotheses import Found, Names, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Found, Names, Reason, StandingHypotheses
+from knowledge_sources.verdicts import Verdicts
 from knowledge_sources.walls import Wall, WallLimits, Walls
 
 SUPPORTS_AN_END = 2
@@ -48,6 +51,7 @@ class LineEndTargetsParams:
     unknown_reach_m: float = 0.5  # a frontier within that makes an end curious
     unknown_least_m: float = 0.45  # and so long must it be: a sonar leaves some 0.35 m undecided in any corner
     depth_cells: int = 3  # of unknown cells behind that frontier, as in `frontier_targets`
+    theory: Theory = "endorsements"  # that weighs the reasons
     same_m: float = 0.5  # a target that moves by less is the same
 
     def __post_init__(self) -> None:
@@ -89,7 +93,7 @@ class LineEndTargets(KnowledgeSource[LineEndTargetsParams]):
 
     Params = LineEndTargetsParams
     reads = (GRID, ROBOT)
-    posts = (TARGET,)
+    posts = (TARGET, VERDICT)
     rating = 3.0
     work = 5
 
@@ -103,7 +107,7 @@ class LineEndTargets(KnowledgeSource[LineEndTargetsParams]):
         self._walls = Walls(WallLimits())
         self._grid = GridMirror()
         self._names = Names("line_end", params.same_m)
-        self._standing = StandingHypotheses(TARGET, differs)
+        self._standing = StandingHypotheses(TARGET, differs, Verdicts(params.theory))
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
@@ -121,7 +125,11 @@ class LineEndTargets(KnowledgeSource[LineEndTargetsParams]):
         unknown = self.params.only_where_unknown
         why, gone = (WHY_UNKNOWN, GONE_KNOWN) if unknown else (WHY, GONE)
         found = {
-            name: Found(target, [line for wall in ended for line in wall.entries[:SUPPORTS_AN_END]], why)
+            name: Found(
+                target,
+                [line for wall in ended for line in wall.entries[:SUPPORTS_AN_END]],
+                [Reason(why, strength="strong")],
+            )
             for name, (target, ended) in zip(names, targets, strict=True)
         }
         self._standing.keep(board, found, lambda _: gone)

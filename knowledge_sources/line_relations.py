@@ -2,6 +2,7 @@
 
 Triggered by  observations/feature/line or hypotheses/feature/model_line    Line, ModelLine: at most once in an interval
 Posts         hypotheses/symbol/line_relation/<wall>-<wall>                 LineRelation
+              hypotheses/symbol/verdict/line_relation.*                     Verdict
 
 Source: Bou-Ghannam 1992, section 4.4: the object-indexed representation tells features by how they lie to each other.
 """
@@ -16,12 +17,15 @@ import numpy as np
 from blackboard.access import Access
 from blackboard.component import KnowledgeSource, Trigger
 from blackboard.entry import Entry
-from blackboard.kinds import LINE_RELATION
+from blackboard.kinds import LINE_RELATION, VERDICT
 from blackboard.messages.geometry import Point, wrap_angle
+from blackboard.messages.model import ModelLine
 from blackboard.messages.symbols import LineRelation
 from blackboard.parameters import require
+from blackboard.uncertainty.theories import Theory
 from knowledge_sources.line_kinds import Lines, line_kind
-from knowledge_sources.standing_hypotheses import Found, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Found, Reason, StandingHypotheses
+from knowledge_sources.verdicts import Verdicts
 from knowledge_sources.walls import Wall, WallLimits, Walls
 
 SUPPORTS_A_LINE = 4
@@ -40,6 +44,7 @@ class LineRelationsParams:
     distance_m: float = 4.0  # between parallel lines: a wide corridor; all walls of a house are parallel somehow
     offset_m: float = 0.10  # between the carriers of collinear lines
     gap_m: float = 3.0  # between the ends of collinear lines: a double door
+    theory: Theory = "endorsements"  # that weighs the reasons
     wall_limits: WallLimits = field(init=False)
 
     def __post_init__(self) -> None:
@@ -104,11 +109,22 @@ def differs(a: LineRelation, b: LineRelation) -> bool:
     )
 
 
+def seen_so(a: Wall, b: Wall) -> Reason:
+    """Return what speaks for a relation of two walls: strong where each was seen more than once; one line may be an error."""
+    often = min(_times_seen(a), _times_seen(b)) > 1
+    why = "either was seen more than once" if often else "one of them was seen only once"
+    return Reason(why, "lines", strength="strong" if often else "fair")
+
+
+def _times_seen(wall: Wall) -> int:
+    return sum(e.value.observations if isinstance(e.value, ModelLine) else 1 for e in wall.entries)
+
+
 class LineRelations(KnowledgeSource[LineRelationsParams]):
     """Keeps a hypothesis for each pair of walls that run alike."""
 
     Params = LineRelationsParams
-    posts = (LINE_RELATION,)
+    posts = (LINE_RELATION, VERDICT)
     rating = 2.0
     work = 5
 
@@ -117,7 +133,7 @@ class LineRelations(KnowledgeSource[LineRelationsParams]):
         self._kind = line_kind(params.lines)
         self.triggers = (Trigger(kind=self._kind, min_interval_s=params.interval_s),)
         self._walls = Walls(params.wall_limits)
-        self._standing = StandingHypotheses(LINE_RELATION, differs)
+        self._standing = StandingHypotheses(LINE_RELATION, differs, Verdicts(params.theory))
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
@@ -128,7 +144,7 @@ class LineRelations(KnowledgeSource[LineRelationsParams]):
     def _look(self, board: Access) -> None:
         found = relations(self._walls.update(board.entries(self._kind)), self.params)
         kept = {
-            id_: Found(value, [*a.entries[:SUPPORTS_A_LINE], *b.entries[:SUPPORTS_A_LINE]])
+            id_: Found(value, [*a.entries[:SUPPORTS_A_LINE], *b.entries[:SUPPORTS_A_LINE]], [seen_so(a, b)])
             for id_, (value, a, b) in found.items()
         }
         self._standing.keep(board, kept, lambda _: "its lines run so no more")

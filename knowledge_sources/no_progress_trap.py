@@ -23,7 +23,7 @@ from blackboard.messages.geometry import Point, Pose
 from blackboard.messages.symbols import Trap
 from blackboard.parameters import require
 from knowledge_sources.poses import READS, map_from_robot_at
-from knowledge_sources.standing_hypotheses import Found, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Found, Reason, StandingHypotheses
 
 WHY = "it is told to drive and stays there"
 
@@ -104,5 +104,5 @@ class NoProgressTrap(KnowledgeSource[NoProgressTrapParams]):
             self._number += 1
         self._trapped = trap is not None
         stands_on: list[Entry[Any]] = [*supports, *([velocity] if velocity is not None else [])]
-        kept = {} if trap is None else {f"no_progress-{self._number}": Found(trap, stands_on, WHY)}
+        kept = {} if trap is None else {f"no_progress-{self._number}": Found(trap, stands_on, [Reason(WHY)])}
         self._standing.keep(board, kept, lambda _: "the robot got on, or was told to stop")

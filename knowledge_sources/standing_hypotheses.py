@@ -3,31 +3,47 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Literal, TypeVar
 
 from blackboard.access import Access
-from blackboard.entry import Entry
+from blackboard.entry import Entry, Strength
 from blackboard.kinds import Kind
 from blackboard.messages.base import Message
+from blackboard.uncertainty.endorsements import standing
+from knowledge_sources.verdicts import Verdicts
 
 M = TypeVar("M", bound=Message)
 
 
 @dataclass(frozen=True, slots=True)
+class Reason:
+    """One reason for or against a hypothesis; what it is about tells it from the source's other reasons."""
+
+    why: str
+    about: str = ""
+    verdict: Literal["for", "against"] = "for"
+    strength: Strength = "fair"
+
+
+@dataclass(frozen=True, slots=True)
 class Found(Generic[M]):
-    """A hypothesis that holds now, what it stands on, and what speaks for it."""
+    """A hypothesis that holds now, what it stands on, and what speaks for and against it."""
 
     value: M
     supports: Sequence[Entry[Any]]
-    why: str = ""
+    reasons: Sequence[Reason] = ()
 
 
 class StandingHypotheses(Generic[M]):
-    """The hypotheses of one kind that a source keeps; `differs` says when a change is worth a revision."""
+    """The hypotheses of one kind that a source keeps; `differs` says when a change is worth a revision.
 
-    def __init__(self, kind: Kind[M], differs: Callable[[M, M], bool]) -> None:
+    With `verdicts`, what their reasons amount to stands on the board too.
+    """
+
+    def __init__(self, kind: Kind[M], differs: Callable[[M, M], bool], verdicts: Verdicts | None = None) -> None:
         self._kind = kind
         self._differs = differs
+        self._verdicts = verdicts
         self._kept: dict[str, None] = {}  # ids
 
     def keep(self, board: Access, found: Mapping[str, Found[M]], gone: Callable[[M], str]) -> None:
@@ -35,16 +51,34 @@ class StandingHypotheses(Generic[M]):
         for id_ in [i for i in self._kept if i not in found]:
             entry = board.newest(self._kind, id_)
             if entry is not None:
-                board.endorse(entry, "against", gone(entry.value))
+                entry = give(board, entry, [Reason(gone(entry.value), verdict="against", strength="strong")])
+                if self._verdicts is not None:
+                    self._verdicts.judge(board, entry)
+                    self._verdicts.close(board, entry)
                 board.retract(self._kind, id_)
             del self._kept[id_]
         for id_, new in found.items():
             standing = board.newest(self._kind, id_)
             if standing is None or self._differs(standing.value, new.value):
                 standing = board.post(self._kind, new.value, id=id_, supports=new.supports)
-            if new.why and not any(e.who == board.name and e.why == new.why for e in standing.endorsements):
-                board.endorse(standing, "for", new.why)
+            standing = give(board, standing, new.reasons)
+            if self._verdicts is not None:
+                self._verdicts.judge(board, standing)
             self._kept[id_] = None
+
+
+def give(board: Access, entry: Entry[M], reasons: Sequence[Reason]) -> Entry[M]:
+    """Make what this source says of a hypothesis just these reasons: said where they are new, withdrawn where they hold no more."""
+    said = {e.about: e for e in standing(entry.endorsements) if e.who == board.name}
+    wanted = {reason.about: reason for reason in reasons}
+    for about in said:
+        if about not in wanted:
+            entry = board.withdraw(entry, about, "it does not hold any more")
+    for about, reason in wanted.items():
+        last = said.get(about)
+        if last is None or (last.verdict, last.why, last.strength) != (reason.verdict, reason.why, reason.strength):
+            entry = board.endorse(entry, reason.verdict, reason.why, about=about, strength=reason.strength)
+    return entry
 
 
 class Names:

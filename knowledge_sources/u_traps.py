@@ -27,7 +27,7 @@ from blackboard.parameters import require
 from knowledge_sources.corner_search import CornerLimits, Meeting, meetings
 from knowledge_sources.grid_mirror import GridMirror
 from knowledge_sources.line_kinds import Lines, line_kind
-from knowledge_sources.standing_hypotheses import Found, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Found, Reason, StandingHypotheses
 from knowledge_sources.walls import Wall, WallLimits, Walls
 
 SUPPORTS_A_WALL = 4
@@ -206,7 +206,7 @@ class UTraps(KnowledgeSource[UTrapsParams]):
             shape.name: Found(
                 as_trap(shape),
                 [line for wall in (shape.base, *shape.arms) for line in wall.entries[:SUPPORTS_A_WALL]],
-                why,
+                [Reason(why)],
             )
             for shape in shapes
         }

@@ -63,6 +63,15 @@ class Base:
     def pose(self) -> Pose:
         return Pose(x_m=self.x_m, y_m=self.y_m, heading_rad=self.heading_rad)
 
+    def stand_in(self, shapes: Shapes) -> bool:
+        """Let other things stand round the body; say whether it fits between them, and change nothing where it does not."""
+        distance = shapes.distances_m(self.x_m, self.y_m)[0]
+        if float(distance.min(initial=self._look_m)) < self._body.radius_m + APART_M:
+            return False
+        self._near = Neighbourhood(shapes, self._look_m)
+        self._room_m = 0.0
+        return True
+
     def step(self, dt_s: float, forward_mps: float, turn_radps: float, walkers: Sequence[Walker]) -> None:
         """Drive for `dt_s` towards the wanted speeds, which are cut to what the robot can do."""
         body = self._body

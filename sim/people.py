@@ -1,10 +1,11 @@
 """People who walk: along waypoints, with pauses, and with the manners that people have.
 
 A courteous person stops an arm's length before a robot that is in the way, waits, and turns round when it does not give way.
-A person without manners walks until they touch, and then does the same. Nobody ever stands inside the robot; nobody minds
-other people.
+A person without manners walks until they touch, and then does the same; both stop before what was put in their way. Nobody ever
+stands inside the robot; nobody minds other people.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import hypot, sqrt
 
@@ -25,6 +26,9 @@ class Person:
     name: str = ""
     speed_mps: float = 0.8  # an easy indoor walk
     pause_s: float = 2.0  # mean stay at a waypoint; each is 0.5 to 1.5 times it
+    stays_s: tuple[
+        float, ...
+    ] = ()  # how long exactly at each waypoint, the first at the start too, in place of pause_s
     radius_m: float = 0.25
     patience_s: float = 4.0  # waits this long for the robot before turning round
     courteous: bool = True
@@ -34,6 +38,10 @@ class Person:
         require(0.0 <= self.pause_s <= 3600.0, "pause_s", self.pause_s, "[0, 3600]")
         require(0.05 <= self.radius_m <= 1.0, "radius_m", self.radius_m, "[0.05, 1]")
         require(0.0 <= self.patience_s <= 3600.0, "patience_s", self.patience_s, "[0, 3600]")
+        require(all(0.0 <= stay <= 1e6 for stay in self.stays_s), "stays_s", self.stays_s, "[0, 1e6] seconds each")
+        if self.stays_s:
+            limit = f"{len(self.path)}, one for each waypoint"
+            require(len(self.stays_s) == len(self.path), "number of stays_s", len(self.stays_s), limit)
         require(2 <= len(self.path) <= 1000, "number of waypoints in path", len(self.path), "[2, 1000]")
 
     @property
@@ -50,7 +58,7 @@ class Walker:
         self.x_m, self.y_m = person.path[0]
         self._from = 0  # index of the waypoint that was left
         self._step = 1
-        self._pause_s = 0.0
+        self._pause_s = person.stays_s[0] if person.stays_s else 0.0
         self._waited_s = 0.0
 
     @property
@@ -58,8 +66,15 @@ class Walker:
         """Say whether the robot is in the way."""
         return self._waited_s > 0.0
 
-    def walk(self, dt_s: float, robot_x_m: float, robot_y_m: float, robot_radius_m: float) -> None:
-        """Let `dt_s` pass."""
+    def walk(
+        self,
+        dt_s: float,
+        robot_x_m: float,
+        robot_y_m: float,
+        robot_radius_m: float,
+        fits: Callable[[float, float, float], bool] | None = None,
+    ) -> None:
+        """Let `dt_s` pass; what `fits` says no to, of a place and a radius, is in the way as the robot may be."""
         if self._pause_s > 0.0:
             self._pause_s -= dt_s
             return
@@ -70,6 +85,8 @@ class Walker:
         if left_m > 0.0:
             dx, dy = dx / left_m, dy / left_m
         way_m = self._way_m(dx, dy, go_m, robot_x_m - self.x_m, robot_y_m - self.y_m, robot_radius_m)
+        if way_m and fits and not fits(self.x_m + way_m * dx, self.y_m + way_m * dy, self.person.radius_m):
+            way_m = 0.0
         self.x_m += way_m * dx
         self.y_m += way_m * dy
         if way_m < go_m:
@@ -110,7 +127,10 @@ class Walker:
                 self._from = len(path) - 1
         elif not 0 <= self._from + self._step < len(path):
             self._step = -self._step
-        self._pause_s = self.person.pause_s * float(self._rng.uniform(0.5, 1.5))
+        if self.person.stays_s:
+            self._pause_s = self.person.stays_s[self._from]
+        else:
+            self._pause_s = self.person.pause_s * float(self._rng.uniform(0.5, 1.5))
 
     def _turn_round(self) -> None:
         self._from += self._step  # now on the way back from the waypoint that was ahead

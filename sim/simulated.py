@@ -77,7 +77,8 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
     def __init__(self, params: SimulatedRobotParams, *, name: str, seed: int = 0) -> None:
         super().__init__(params, name=name, seed=seed)
         self._model = load_robot(params.robot)
-        self._world = load_world(params.world)
+        self._first_world = self._world = load_world(params.world)
+        self._later = self._world.later
         self._description = self._model.description()
         self._start = self._start_pose()
         self._entropy = int(self.rng.integers(2**62))
@@ -103,6 +104,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
 
     def reset(self) -> None:
         """Begin anew: the same again."""
+        self._world, self._later = self._first_world, self._first_world.later
         model, shapes = self._model, self._world.shapes
         errors = model.odometry if self.params.odometry_errors else None
         if errors is not None and self.params.drawn_odometry:
@@ -112,10 +114,10 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._sonar_rng, self._laser_rng = self._random(1), self._random(2)
         people = self._world.people if self.params.people else ()
         self._walkers = [Walker(person, self._random(10 + i)) for i, person in enumerate(people)]
-        reach = max(
+        self._reach_m = model.body.radius_m + max(
             [0.0, *(s.max_range_m for s in self._description.sonars), *(laser.max_range_m for laser in model.lasers)]
         )
-        self._sensed = Neighbourhood(shapes, reach + model.body.radius_m)
+        self._sensed = Neighbourhood(shapes, self._reach_m)
         self._tick = -1
         self._due: dict[tuple[str, int], int] = {}
         self._late: list[tuple[int, Reading[Any]]] = []
@@ -133,6 +135,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         for tick in range(self._tick + 1, floor(until_s * TICKS_PER_S + 1e-6) + 1):
             self._tick = tick
             if tick:
+                self._change_world(tick / TICKS_PER_S)
                 self._move()
             self._sense(tick, readings)
         return iter(readings)
@@ -177,11 +180,26 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         """Return random numbers of their own for a part, so that one part's draws change no other's."""
         return np.random.default_rng([self._entropy, stream])
 
+    def _change_world(self, now_s: float) -> None:
+        """Put down and take away what is due; nothing is put down on the robot or on people, but once they have left."""
+        if not self._later or now_s < self._later[0][0]:
+            return
+        world = self._later[0][1]
+        people = ((w.x_m, w.y_m, w.person.radius_m) for w in self._walkers)
+        if all(_fits_in(world.shapes, *person) for person in people) and self._base.stand_in(world.shapes):
+            self._world = world
+            self._later = self._later[1:]
+            self._sensed = Neighbourhood(self._world.shapes, self._reach_m)
+
+    def _fits(self, x_m: float, y_m: float, radius_m: float) -> bool:
+        return _fits_in(self._world.shapes, x_m, y_m, radius_m)
+
     def _move(self) -> None:
         base, body = self._base, self._model.body
         dt = 1.0 / TICKS_PER_S
+        fits = self._fits if self._first_world.later else None  # else every way was checked when the world was read
         for walker in self._walkers:
-            walker.walk(dt, base.x_m, base.y_m, body.radius_m)
+            walker.walk(dt, base.x_m, base.y_m, body.radius_m, fits)
         forward, turn = self._wanted if self._charge_fraction > 0.0 else (0.0, 0.0)
         base.step(dt, forward, turn, self._walkers)
 
@@ -267,6 +285,11 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._echoes_lost += int(echoes.lost.sum())
         self._cross_talk += int(echoes.cross_talk.sum())
         return SonarScan(sensors=tuple(range(len(echo))), ranges_m=_told(echoes.ranges_m))
+
+
+def _fits_in(shapes: Shapes, x_m: float, y_m: float, radius_m: float) -> bool:
+    """Say whether a person has room at a place; brushing along a wall is no fault."""
+    return float(shapes.distances_m(x_m, y_m)[0].min(initial=inf)) >= 0.99 * radius_m
 
 
 def _told(ranges_m: Floats) -> tuple[float | None, ...]:

@@ -20,7 +20,10 @@ PRECISION_M = 1e-6  # corners are put on this raster, so that things that touch 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class World:
-    """Metres, map frame. Circles stand apart from `free`, the floor less all other things, since rays meet them as circles."""
+    """Metres, map frame. Circles stand apart from `free`, the floor less all other things, since rays meet them as circles.
+
+    `later` holds what the world becomes when things are put down or taken away: from when on (s), and the world, without people.
+    """
 
     name: str
     floor: BaseGeometry
@@ -29,6 +32,7 @@ class World:
     shapes: Shapes
     people: tuple[Person, ...] = ()
     start: Pose | None = None
+    later: "tuple[tuple[float, World], ...]" = ()
 
     def truth(self) -> WorldTruth:
         """Return what stands still, the walls round the floor included, and the floor."""

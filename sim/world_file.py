@@ -1,7 +1,7 @@
 """Worlds in TOML: a floor, walls, polygons, boxes, circles, people, and where the robot starts."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, pi, sin
 from pathlib import Path
@@ -16,7 +16,6 @@ from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.parameters import parse_parameters, require
 from blackboard.toml_file import Place, TomlFile, read_toml
 from sim.people import Person
-from sim.shapes import Bools, Floats
 from sim.world import FAR_M, PRECISION_M, World, make_world
 
 Surface = Literal["smooth", "rough"]
@@ -49,6 +48,12 @@ class Start:
         return Pose(x_m=self.x_m, y_m=self.y_m, heading_rad=wrap_angle(self.heading_rad))
 
 
+def _check_stay(from_s: float, until_s: float | None) -> None:
+    require(0.0 <= from_s <= 1e7, "from_s", from_s, "[0, 1e7] seconds")
+    if until_s is not None:
+        require(from_s < until_s <= 1e7, "until_s", until_s, f"({from_s:g}, 1e7] seconds, after from_s")
+
+
 @dataclass(frozen=True)
 class Wall:
     """A wall along a line; one that ends where it began is closed."""
@@ -57,8 +62,11 @@ class Wall:
     name: str = ""
     thickness_m: float = 0.02  # a thin partition
     surface: Surface = "smooth"
+    from_s: float = 0.0  # there from then on: put down, or closed
+    until_s: float | None = None  # and taken away then
 
     def __post_init__(self) -> None:
+        _check_stay(self.from_s, self.until_s)
         require(0.001 <= self.thickness_m <= 10.0, "thickness_m", self.thickness_m, "[0.001, 10]")
 
 
@@ -69,6 +77,11 @@ class Polygon:
     outline: Points
     name: str = ""
     surface: Surface = "smooth"
+    from_s: float = 0.0  # there from then on: put down, or closed
+    until_s: float | None = None  # and taken away then
+
+    def __post_init__(self) -> None:
+        _check_stay(self.from_s, self.until_s)
 
 
 @dataclass(frozen=True)
@@ -80,6 +93,11 @@ class Box:
     name: str = ""
     heading_rad: float = 0.0
     surface: Surface = "smooth"
+    from_s: float = 0.0  # there from then on: put down, or closed
+    until_s: float | None = None  # and taken away then
+
+    def __post_init__(self) -> None:
+        _check_stay(self.from_s, self.until_s)
 
 
 @dataclass(frozen=True)
@@ -90,8 +108,11 @@ class Circle:
     radius_m: float
     name: str = ""
     surface: Surface = "smooth"
+    from_s: float = 0.0  # there from then on: put down, or closed
+    until_s: float | None = None  # and taken away then
 
     def __post_init__(self) -> None:
+        _check_stay(self.from_s, self.until_s)
         require(0.005 <= self.radius_m <= 100.0, "radius_m", self.radius_m, "[0.005, 100]")
 
 
@@ -106,27 +127,32 @@ def load_world_file(path: Path) -> World:
     _check_keys(file)
     floor_table = parse_parameters(Floor, file.data["floor"], file.place("floor"))
     floor = _area(floor_table.outline, "outline", file.place("floor"))
-    smooth: list[BaseGeometry] = []
-    rough = [floor.boundary.buffer(PRECISION_M)] if floor_table.surface == "rough" else []
-    for thing, surface in _things(file):
-        (rough if surface == "rough" else smooth).append(thing)
-    circles, circle_rough = _circles(file)
     start = parse_parameters(Start, file.data["start"], file.place("start")) if "start" in file.data else None
     people = tuple(_people(file))
-    world = make_world(
-        str(path),
-        floor=floor,
-        free=shapely.difference(
-            floor, shapely.union_all([*smooth, *rough], grid_size=PRECISION_M), grid_size=PRECISION_M
-        ),
-        rough_things=shapely.union_all(rough),
-        circles=circles,
-        circle_rough=circle_rough,
-        people=people,
-        start=None if start is None else start.pose(),
-    )
-    _check_ways(world, file)
-    return world
+    things, circles = list(_things(file)), list(_circles(file))
+    stays = [*(thing.stay for thing in things), *(circle.stay for circle in circles)]
+    edge = [floor.boundary.buffer(PRECISION_M)] if floor_table.surface == "rough" else []
+    worlds = []
+    for at_s in sorted({0.0, *(s.from_s for s in stays), *(s.until_s for s in stays if s.until_s is not None)}):
+        here = [thing for thing in things if thing.stay.holds(at_s)]
+        smooth = [thing.shape for thing in here if thing.surface == "smooth"]
+        rough = edge + [thing.shape for thing in here if thing.surface == "rough"]
+        round_ = [circle for circle in circles if circle.stay.holds(at_s)]
+        world = make_world(
+            str(path),
+            floor=floor,
+            free=shapely.difference(
+                floor, shapely.union_all([*smooth, *rough], grid_size=PRECISION_M), grid_size=PRECISION_M
+            ),
+            rough_things=shapely.union_all(rough),
+            circles=np.array([circle.row for circle in round_], dtype=float).reshape(-1, 3),
+            circle_rough=np.array([circle.surface == "rough" for circle in round_], dtype=bool),
+            people=people,
+            start=None if start is None else start.pose(),
+        )
+        worlds.append((at_s, world))
+    _check_ways(worlds[0][1], file)
+    return replace(worlds[0][1], later=tuple(worlds[1:]))
 
 
 def _check_keys(file: TomlFile) -> None:
@@ -146,17 +172,48 @@ def _check_keys(file: TomlFile) -> None:
         raise MissionError(f"{file.path}: table [floor] with its outline is missing; add it")
 
 
-def _things(file: TomlFile) -> Iterator[tuple[BaseGeometry, Surface]]:
-    """Yield everything that stands there and is no circle."""
+@dataclass(frozen=True)
+class _Stay:
+    """When a thing is there."""
+
+    from_s: float
+    until_s: float | None
+
+    def holds(self, at_s: float) -> bool:
+        return self.from_s <= at_s and (self.until_s is None or at_s < self.until_s)
+
+
+@dataclass(frozen=True)
+class _Thing:
+    """Something that stands there and is no circle."""
+
+    shape: BaseGeometry
+    surface: Surface
+    stay: _Stay
+
+
+@dataclass(frozen=True)
+class _Round:
+    """A circle: x, y, radius."""
+
+    row: tuple[float, float, float]
+    surface: Surface
+    stay: _Stay
+
+
+def _things(file: TomlFile) -> Iterator[_Thing]:
+    """Yield everything that ever stands there and is no circle."""
     for wall, place in _entries(Wall, file, "wall"):
         line = _points(wall.line, "line", place, 2)
         closed = len(line) > 3 and line[0] == line[-1]
         shape = shapely.LinearRing(line) if closed else shapely.LineString(line)
         if shape.length < PRECISION_M:
             raise MissionError(f"{place.at('line')}: line has no length; give two different points")
-        yield shape.buffer(wall.thickness_m / 2.0, cap_style="flat", join_style="mitre"), wall.surface
+        solid = shape.buffer(wall.thickness_m / 2.0, cap_style="flat", join_style="mitre")
+        yield _Thing(solid, wall.surface, _Stay(wall.from_s, wall.until_s))
     for polygon, place in _entries(Polygon, file, "polygon"):
-        yield _area(polygon.outline, "outline", place), polygon.surface
+        stay = _Stay(polygon.from_s, polygon.until_s)
+        yield _Thing(_area(polygon.outline, "outline", place), polygon.surface, stay)
     for box, place in _entries(Box, file, "box"):
         ((x, y),) = _points((box.centre,), "centre", place, 1)
         ((width, depth),) = _points((box.size,), "size", place, 1)
@@ -164,16 +221,15 @@ def _things(file: TomlFile) -> Iterator[tuple[BaseGeometry, Surface]]:
             raise MissionError(f"{place.at('size')}: size = {[width, depth]} must be two positive lengths in metres")
         c, s = cos(box.heading_rad), sin(box.heading_rad)
         corners = [(a * width / 2, b * depth / 2) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-        yield shapely.Polygon([(x + c * a - s * b, y + s * a + c * b) for a, b in corners]), box.surface
+        outline = shapely.Polygon([(x + c * a - s * b, y + s * a + c * b) for a, b in corners])
+        yield _Thing(outline, box.surface, _Stay(box.from_s, box.until_s))
 
 
-def _circles(file: TomlFile) -> tuple[Floats, Bools]:
-    rows, rough = [], []
+def _circles(file: TomlFile) -> Iterator[_Round]:
+    """Yield every circle that ever stands there."""
     for circle, place in _entries(Circle, file, "circle"):
         for x, y in _points(circle.centres, "centres", place, 1):
-            rows.append((x, y, circle.radius_m))
-            rough.append(circle.surface == "rough")
-    return np.array(rows, dtype=float).reshape(-1, 3), np.array(rough, dtype=bool)
+            yield _Round((x, y, circle.radius_m), circle.surface, _Stay(circle.from_s, circle.until_s))
 
 
 def _people(file: TomlFile) -> Iterator[Person]:

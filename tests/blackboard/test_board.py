@@ -7,16 +7,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blackboard.access import Access
-from blackboard.board import Board
+from blackboard.board import MAX_ENDORSEMENTS, Board
 from blackboard.entry import Entry, Support, stretches
 from blackboard.errors import BoardError, MessageError
 from blackboard.history import HistoryParams
 from blackboard.kinds import COMPONENT, DRIVE, LINE, ODOM_FROM_ROBOT, ODOMETRY, RESPONSE
 from blackboard.messages.control import ComponentStatus
-from blackboard.messages.geometry import Point, Pose
+from blackboard.messages.geometry import IDENTITY, Point, Pose
 from blackboard.messages.motion import Response
 from blackboard.messages.sensing import Odometry
 from blackboard.messages.world import Line
+from blackboard.uncertainty.endorsements import standing
 from blackboard.vocabulary import Vocabulary
 
 
@@ -56,6 +57,17 @@ def test_posted_revised_retracted() -> None:
     assert (first.key, second.value.rho_m, heard[2].value.rho_m) == ("ski/k2a/observations/feature/line/0-1", 2.0, 2.0)
     assert b.newest(LINE, "0-1") is again
     assert b.at(first.key) is again
+
+
+def test_an_endless_back_and_forth_keeps_what_stands() -> None:
+    board = Board(Vocabulary())
+    access = Access(board, "doubter", (), (ODOMETRY,))
+    entry = access.post(ODOMETRY, Odometry(pose=IDENTITY))
+    access.endorse(entry, "for", "it was there first", about="age")
+    for i in range(MAX_ENDORSEMENTS + 20):
+        entry = access.endorse(entry, "against" if i % 2 else "for", str(i), about="mood")
+    assert len(entry.endorsements) == MAX_ENDORSEMENTS
+    assert [(e.about, e.why) for e in standing(entry.endorsements)] == [("age", "it was there first"), ("mood", "519")]
 
 
 def test_a_slot_has_one_owner_but_anyone_may_endorse() -> None:

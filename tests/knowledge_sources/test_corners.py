@@ -11,7 +11,7 @@ from blackboard.access import Access
 from blackboard.board import Board
 from blackboard.entry import Support
 from blackboard.grid import Grid, tile_id
-from blackboard.kinds import CORNER, GRID, LINE
+from blackboard.kinds import CORNER, GRID, LINE, VERDICT
 from blackboard.messages.geometry import Point, wrap_angle
 from blackboard.messages.world import Line
 from blackboard.vocabulary import Vocabulary
@@ -134,7 +134,12 @@ def test_on_a_board_a_corner_stands_while_its_lines_meet_and_is_denied_afterward
     keys = {support.key for support in entry.supports}
     assert {first.key, second.key} < keys
     assert any("/grid/" in key for key in keys)
-    assert [(e.who, e.verdict) for e in entry.endorsements] == [("corners", "for")]
+    assert [(e.who, e.verdict, e.about) for e in entry.endorsements] == [
+        ("corners", "for", "lines"),
+        ("corners", "for", "room"),
+    ]
+    (verdict,) = board.entries(VERDICT)
+    assert (verdict.id, verdict.value.outcome) == ("corner.1-2", "confirmed")
     posts = board.posts
     source.activate(second, access)
     assert board.posts == posts  # nothing changed, nothing said
