@@ -118,10 +118,10 @@ def main() -> None:
     machine = f"{platform.machine()}, {os.cpu_count()} cores"
     parts = [HEAD.format(machine=machine, python=platform.python_version())]
     for title, text, command in BENCHMARKS:
-        if title in standing and title not in chosen:
-            parts.append(standing[title])
-        else:
+        if not chosen or title in chosen:
             parts.append(section(title, text, command))
+        elif title in standing:
+            parts.append(standing[title])
     PAGE.write_text("\n".join(parts), encoding="utf-8")
     print(f"wrote {PAGE}")
 

@@ -8,6 +8,7 @@ import shapely
 
 from blackboard.errors import MissionError
 from blackboard.messages.geometry import Pose
+from sim.robot_file import load_robot
 from sim.shipped import shipped_names
 from sim.simulated import load_world
 from sim.world_file import load_world_file
@@ -108,6 +109,17 @@ def test_shipped_worlds_hold_their_robots() -> None:
         world.start_pose(None, 0.31)
     width, height = np.diff(np.array(load_world(Path("lab")).floor.bounds).reshape(2, 2), axis=0)[0]
     assert (width, height) == (8.0, 5.0)
+
+
+def test_the_hall_is_wider_than_its_robots_sonars_reach() -> None:
+    hall, reach_m = load_world(Path("hall")), load_robot(Path("k2a_near")).description().sonars[0].max_range_m
+    assert reach_m == 5.0
+    inside = hall.floor.buffer(-0.5).buffer(0.5)  # without the niches of doors
+    assert (np.diff(np.array(inside.bounds).reshape(2, 2), axis=0)[0] >= (40.0, 15.0)).all()
+    xs, ys = np.meshgrid(np.arange(0.5, 40.0), np.arange(0.5, 15.0))
+    places = [(x, y) for x, y in zip(xs.ravel(), ys.ravel(), strict=True) if hall.free.contains(shapely.Point(x, y))]
+    from_wall = [hall.floor.exterior.distance(shapely.Point(place)) for place in places]
+    assert np.mean(np.array(from_wall) > reach_m) > 0.2  # a good part of it lies out of reach of any wall
     assert load_world(Path("office")).floor.bounds[2] == 30.0
 
 
