@@ -73,6 +73,16 @@ BENCHMARKS = (
         "What filter-raw is worth.",
         ("lines_with_grid.py",),
     ),
+    (
+        "Lines in maps of points",
+        "`ski lines`, pictures not included.",
+        ("lines_of_points.py",),
+    ),
+    (
+        "Corners",
+        "",
+        ("corners.py",),
+    ),
     ("The main job", "Ten simulated minutes of `explore-lab`, journal written, no pictures.", ("main_job.py",)),
     ("Memory", "Two simulated hours of `explore-lab`.", ("main_job.py", "--memory")),
     ("Recordings", "`ski map` as a process, reading and pictures included.", ("map_recordings.py",)),

@@ -90,13 +90,34 @@ def meetings(walls: Sequence[Wall], limits: CornerLimits) -> list[Meeting]:
 
 def corners(walls: Sequence[Wall], grid: Grid | None, limits: CornerLimits) -> list[Meeting]:
     """Return the corners of these walls with their shapes, of several at one place that with the longest arms."""
-    shaped = [replace(m, shape=shape_of(m, grid)) for m in meetings(walls, limits)]
+    closed = [m for m in meetings(walls, limits) if grid is None or not is_open(m, grid)]
+    shaped = [replace(m, shape=shape_of(m, grid)) for m in closed]
     shaped = [m for m in shaped if not m.through or m.shape == "concave"]  # the side where there is room
     kept: list[Meeting] = []
     for meeting in sorted(shaped, key=lambda m: (-m.shorter_arm_m, m.name)):
         if not any(_same_place(meeting, other, limits) for other in kept):
             kept.append(meeting)
     return sorted(kept, key=lambda m: (m.first.number, m.second.number, m.name))
+
+
+def is_open(meeting: Meeting, grid: Grid) -> bool:
+    """Say whether the grid shows that a wall ends where its line ends, short of the corner: more than a cell between is empty.
+
+    A line lies within a cell of its wall, so that only what is empty to either side, too, is no wall.
+    """
+    for wall in (meeting.first, meeting.second):
+        past = _past_end_m(wall, meeting.x_m, meeting.y_m)
+        steps = np.arange(1.0, past / (grid.cell_m / 2.0) - 1.0)[:, None] * grid.cell_m / 2.0
+        if len(steps) == 0:
+            continue
+        away = _away_rad(wall, meeting.x_m, meeting.y_m)
+        direction, across = np.array([cos(away), sin(away)]), np.array([-sin(away), cos(away)]) * grid.cell_m
+        places = np.array([meeting.x_m, meeting.y_m]) + steps * direction
+        beside = np.stack([grid.values_at(places + k * across) for k in (-1, 0, 1)])
+        empty = (beside <= EMPTY_MAX).all(axis=0)
+        if np.count_nonzero(empty) > 2:  # steps of half a cell
+            return True
+    return False
 
 
 def shape_of(meeting: Meeting, grid: Grid | None) -> Shape:

@@ -5,8 +5,9 @@ Reads         hypotheses/feature/grid                                       Grid
 Posts         hypotheses/symbol/corner/<wall>-<wall>                        Corner
               hypotheses/symbol/verdict/corner.*                            Verdict
 
-A corner stands as long as its lines meet there; when they no longer do it is endorsed against and retracted. Source: Bou-Ghannam
-1992, sections 4.1 (the corner detector, and that corners indoors are the intersection of two walls) and 5.2.4.
+A corner stands as long as its lines meet there and the grid shows no way through between them; then it is endorsed against and
+retracted. Source: Bou-Ghannam 1992, sections 4.1 (the corner detector, and that corners indoors are the intersection of two walls)
+and 5.2.4.
 """
 
 from dataclasses import dataclass, field
@@ -81,6 +82,10 @@ def as_corner(meeting: Meeting) -> Corner:
     )
 
 
+def _gone(corner: Corner) -> str:
+    return "its lines meet there no more, are pieces of other walls now, or the grid is empty where they should meet"
+
+
 def differs(a: Corner, b: Corner) -> bool:
     """Say whether a corner has changed by more than noise."""
     return (
@@ -117,7 +122,7 @@ class Corners(KnowledgeSource[CornersParams]):
     def _look(self, board: Access) -> None:
         grid = self._grid.look(board)
         found = corners(self._walls.update(board.entries(self._kind)), grid, self.params.limits)
-        self._standing.keep(board, {m.name: self._found(m) for m in found}, lambda _: "its lines meet there no more")
+        self._standing.keep(board, {m.name: self._found(m) for m in found}, _gone)
 
     def _found(self, meeting: Meeting) -> Found[Corner]:
         why = {

@@ -9,7 +9,7 @@ Source: Bou-Ghannam 1992, section 4.4: the object-indexed representation tells f
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import cos, hypot, radians, sin
+from math import cos, hypot, radians, sin, tan
 from typing import Any
 
 import numpy as np
@@ -62,19 +62,19 @@ def relation(a: Wall, b: Wall, params: LineRelationsParams) -> LineRelation | No
         return None
     c, s = cos(a.theta_rad), sin(a.theta_rad)
     dx, dy = b.x_m - a.x_m, b.y_m - a.y_m
-    along, across = dx * c + dy * s, abs(dy * c - dx * s)
-    half_b = b.half_length_m * cos(angle)
+    along, half_b = dx * c + dy * s, b.half_length_m * cos(angle)
     low, high = max(-a.half_length_m, along - half_b), min(a.half_length_m, along + half_b)
+    # Where they are measured: half way along what they share, or between their ends.
+    middle = (low + high) / 2
+    out = dy * c - dx * s + (middle - along) * tan(b.theta_rad - a.theta_rad)
+    across = abs(out)
+    place = Point(x_m=a.x_m + middle * c - out / 2 * s, y_m=a.y_m + middle * s + out / 2 * c)
     keys = (a.entries[0].key, b.entries[0].key)
     if params.offset_m < across <= params.distance_m and high - low >= params.shared_m:
-        middle, out = (low + high) / 2, (dy * c - dx * s) / 2
-        place = Point(x_m=a.x_m + middle * c - out * s, y_m=a.y_m + middle * s + out * c)
         return LineRelation(
             relation="parallel", place=place, angle_rad=angle, distance_m=across, shared_m=high - low, lines=keys
         )
     if across <= params.offset_m and 0.0 < low - high <= params.gap_m:
-        middle = (low + high) / 2
-        place = Point(x_m=a.x_m + middle * c, y_m=a.y_m + middle * s)
         return LineRelation(
             relation="collinear", place=place, angle_rad=angle, distance_m=across, gap_m=low - high, lines=keys
         )
@@ -147,4 +147,4 @@ class LineRelations(KnowledgeSource[LineRelationsParams]):
             id_: Found(value, [*a.entries[:SUPPORTS_A_LINE], *b.entries[:SUPPORTS_A_LINE]], [seen_so(a, b)])
             for id_, (value, a, b) in found.items()
         }
-        self._standing.keep(board, kept, lambda _: "its lines run so no more")
+        self._standing.keep(board, kept, lambda _: "its lines run so no more, or are pieces of other walls now")

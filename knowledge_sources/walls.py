@@ -91,8 +91,8 @@ def as_piece(entry: Entry[Any]) -> Piece:
         sigmas, side = (line.sigma_rho_m, line.sigma_theta_rad), 1 if line.faces_left else -1
     else:
         half_m = hypot(ends[2] - ends[0], ends[3] - ends[1]) / 2
-        variances = line_covariance(half_m, line.sigma_rho_m, line.support, NoiseFloor())
-        sigmas, side = (sqrt(float(variances[0, 0])), sqrt(float(variances[1, 1])))[::-1], 0
+        variances = line_covariance(half_m, line.sigma_rho_m, line.support, NoiseFloor())  # of theta and of the offset
+        sigmas, side = (sqrt(float(variances[1, 1])), sqrt(float(variances[0, 0]))), 0
     return Piece(
         key=entry.key,
         x0_m=ends[0],
@@ -159,8 +159,8 @@ class Walls:
             number = self._wall_of.pop(key)
             del self._known[key], self._pieces[number][key]
             changed[number] = None
-        for number in changed:
-            self._refit(number)
+        for number in list(changed):
+            changed |= dict.fromkeys(self._put_together_again(number))
         for key, entry in standing.items():
             if key not in self._known:
                 self._known[key] = entry
@@ -172,17 +172,38 @@ class Walls:
         number = self._home(fuse([piece]), list(self._walls.values()))
         if number is None:
             number, self._next = self._next, self._next + 1
+        self._put(piece, number)
+        return number
+
+    def _put(self, piece: Piece, number: int) -> None:
         self._pieces.setdefault(number, {})[piece.key] = piece
         self._wall_of[piece.key] = number
         self._refit(number)
-        return number
+
+    def _put_together_again(self, number: int) -> list[int]:
+        """Put a wall that has lost a line together anew: the others may be pieces of one wall no more. Return the walls' numbers.
+
+        The longest piece keeps the wall's number.
+        """
+        left = sorted(self._pieces.pop(number).values(), key=lambda p: (-p.length_m, p.key))
+        del self._walls[number]
+        self._shown.pop(number, None)
+        if not left:
+            return []
+        self._put(left[0], number)
+        numbers = [number]
+        for piece in left[1:]:
+            homes = [self._walls[n] for n in numbers]
+            home = self._home(fuse([piece]), homes)
+            if home is None:
+                home, self._next = self._next, self._next + 1
+                numbers.append(home)
+            self._put(piece, home)
+        return numbers
 
     def _refit(self, number: int) -> None:
         self._shown.pop(number, None)
-        if self._pieces[number]:
-            self._walls[number] = fuse(list(self._pieces[number].values()), number)
-        else:
-            del self._pieces[number], self._walls[number]
+        self._walls[number] = fuse(list(self._pieces[number].values()), number)
 
     def _join(self, changed: list[int]) -> None:
         """Join walls that have grown together; the lower number stays."""

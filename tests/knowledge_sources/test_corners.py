@@ -88,6 +88,14 @@ def test_inside_the_angle_is_concave_outside_is_convex() -> None:
     assert corners(walls, None, LIMITS)[0].shape == "unknown"
 
 
+def test_where_the_grid_shows_a_way_between_the_lines_there_is_no_corner() -> None:
+    walls = [wall(1, 0.25, 0, 2, 0), wall(2, 0, 0, 0, 2)]
+    room, way = (0.0, 0.0, 2.0, 2.0), (0.05, -0.1, 0.2, 0.1)
+    assert [m.gap_m for m in corners(walls, grid_with_empty(room), LIMITS)] == [0.25]  # seen from one side only
+    assert corners(walls, grid_with_empty(room, way), LIMITS) == []
+    assert len(corners(walls, grid_with_empty(room, (0.1, -0.1, 0.15, 0.0)), LIMITS)) == 1  # a cell: chance
+
+
 def test_a_wall_that_ends_at_another_makes_a_corner_on_the_side_where_there_is_room() -> None:
     walls = [wall(1, -2, 0, 2, 0), wall(2, 0.5, 0, 0.5, 1)]
     assert [m.name for m in corners(walls, grid_with_empty((0.5, 0, 2, 2)), LIMITS)] == ["1-2-ahead"]

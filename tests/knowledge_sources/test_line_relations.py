@@ -41,6 +41,17 @@ def test_the_walls_of_a_corridor_are_parallel() -> None:
     assert len(entry.supports) == 2
 
 
+def test_walls_that_draw_nearer_are_as_far_apart_as_where_they_run_side_by_side() -> None:
+    slope = 0.05  # 2.9 degrees: at x = 9 the second wall is 0.25 m nearer than at x = 4
+    values = (line(8, 0, 10, 0), line(0, 2.0, 8.8, 2.0 - 8.8 * slope))
+    for pair in (values, values[::-1]):
+        (entry,) = related(*pair).entries(LINE_RELATION)
+        found = entry.value
+        assert found.relation == "parallel"
+        assert found.distance_m == pytest.approx(2.0 - 8.4 * slope, abs=0.01)
+        assert (found.place.x_m, found.place.y_m) == pytest.approx((8.4, found.distance_m / 2), abs=0.06)
+
+
 def test_a_wall_with_a_door_in_it_is_a_collinear_pair() -> None:
     (entry,) = related(line(0, 0, 2, 0), line(2.9, 0.03, 5, 0.03)).entries(LINE_RELATION)
     found = entry.value

@@ -42,6 +42,20 @@ def test_two_sightings_of_one_wall_are_one_that_covers_both() -> None:
     assert [e.id for e in walls[0].entries] == ["1", "0"]  # longest first
 
 
+def test_a_wall_that_loses_what_held_it_together_becomes_two() -> None:
+    board, lines = posted(line(0, 0, 1, 0), line(0.9, 0, 3.1, 0), line(3, 0, 5, 0))
+    walls = Walls(WallLimits())
+    (whole,) = walls.update(lines)
+    board.retract(LINE, "1", source="test")
+    parts = walls.update(board.entries(LINE))
+    assert [[e.id for e in wall.entries] for wall in parts] == [["2"], ["0"]]  # the longer one keeps the number
+    assert parts[0].number == whole.number
+    board.post(LINE, line(0.9, 0, 3.1, 0), id="1", source="test")
+    (again,) = walls.update(board.entries(LINE))
+    assert again.number == whole.number
+    assert len(again.entries) == 3
+
+
 @pytest.mark.parametrize(
     ("second", "count"),
     [
