@@ -5,7 +5,7 @@ Reads         hypotheses/feature/grid                                       Grid
 Posts         hypotheses/symbol/corner/<wall>-<wall>                        Corner
               hypotheses/symbol/verdict/corner.*                            Verdict
 
-A corner stands as long as its lines meet there and the grid shows no way through between them; then it is endorsed against and
+A corner stands as long as its lines meet there and the grid shows no way through between them; else it is endorsed against and
 retracted. Source: Bou-Ghannam 1992, sections 4.1 (the corner detector, and that corners indoors are the intersection of two walls)
 and 5.2.4.
 """
