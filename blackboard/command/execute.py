@@ -12,7 +12,7 @@ from rich.progress import Progress as ProgressBar
 from blackboard.command.main import EXIT_INTERRUPTED
 from blackboard.errors import ComponentFailed, MissionError
 from blackboard.journal import FILE_NAME, JournalWriter
-from blackboard.kinds import COMPONENT
+from blackboard.kinds import COMPONENT, CORRECTED_PATH
 from blackboard.mission import Mission
 from blackboard.report.output_folder import prepare_output_folder
 from blackboard.report.table import show_table, table_json
@@ -70,6 +70,13 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
         if entry.value.state == "failed":
             on = f" on {entry.value.trigger_key}" if entry.value.trigger_key else ""
             sys.stderr.write(f"ski: {entry.id} failed{on} and was left out from then on: {entry.value.error}\n")
+    corrected = run.board.newest(CORRECTED_PATH)
+    if corrected is not None and not corrected.value.closed:
+        path = corrected.value
+        sys.stderr.write(
+            f"ski: the map did not close, do not trust its shape: {path.closures} of {path.candidates} places met again fit, and "
+            f"{100.0 * path.contradicted_fraction:.0f} % of what was seen again contradicts another pass\n"
+        )
     if options.json:
         sys.stdout.write(table_json({**result.table, "out": str(folder)}) + "\n")
     else:

@@ -11,6 +11,7 @@ from blackboard.entry import Entry
 from blackboard.grid import Grid
 from blackboard.kinds import CORNER, CORRECTED_PATH, GRID, LINE, MODEL_LINE, SUPPORTED_POINTS, TARGET, TRAP
 from blackboard.messages.geometry import Pose, wrap_angle
+from blackboard.messages.mapping import CorrectedPath
 from blackboard.messages.model import ModelLine
 from blackboard.messages.world import Line
 from blackboard.report.animation import Frame
@@ -45,8 +46,7 @@ def gather(run: Run, title: str) -> RunResult:
     table: dict[str, float | int | str] = {"robot": result.robot.name, "time_s": span_s, "path_m": driven_m(trajectory)}
     table |= run.robot.summary()
     if corrected is not None:
-        path = corrected.value
-        table |= {"loops_closed": path.closures, "map_closed": "yes" if path.closed else "not closed: do not trust it"}
+        table |= closing(corrected.value)
     symbols = {"corners": len(result.corners), "targets": len(result.targets), "traps": len(run.board.entries(TRAP))}
     table |= {"lines": len(result.lines)} | {name: count for name, count in symbols.items() if count}
     table |= {"posts": run.board.posts}
@@ -61,6 +61,18 @@ def points_of(board: Board) -> npt.NDArray[np.float64] | None:
     """Return the points of the newest batch, (n, 2) m; None where there was none."""
     batch = board.newest(SUPPORTED_POINTS)
     return batch.value.points.unpack().astype(np.float64) if batch is not None else None
+
+
+def closing(path: CorrectedPath) -> dict[str, float | int | str]:
+    """Return the rows that say whether a drive closed."""
+    rows: dict[str, float | int | str] = {"loops_closed": path.closures}
+    if not path.closed:
+        rows |= {"map_closed": "not closed: do not trust it"}
+    else:
+        rows |= {"map_closed": "yes" if path.seen_again else "nothing was seen again: no loop to close"}
+    if path.seen_again:
+        rows |= {"contradicted_fraction": path.contradicted_fraction}
+    return rows
 
 
 def lines_of(board: Board) -> list[Entry[Line]]:

@@ -19,6 +19,7 @@ SUBMAP = 3  # scans to either side of the one met again
 APART = 15  # scans between two passes: fewer are the same pass
 PASSES = 3  # earlier passes that one scan is matched to
 FACING_RAD = 1.75  # scans that look further apart share too little
+FEWEST_POINTS = 20  # of a scan that is worth a match
 LEAST_FIT = 0.5  # mean fit of the search
 LEAST_MATCHED = 0.5  # share of points on a line
 NEIGHBOURS = 8  # scans to either side whose closures must agree
@@ -39,15 +40,27 @@ class Closures:
     def __len__(self) -> int:
         return len(self.first)
 
+    @staticmethod
+    def of(found: list[tuple[int, int, Floats, Floats]]) -> "Closures":
+        """Return closures out of (first, last, measured, information)."""
+        return Closures(
+            np.array([f[0] for f in found], dtype=np.intp),
+            np.array([f[1] for f in found], dtype=np.intp),
+            np.array([f[2] for f in found]).reshape(-1, 3),
+            np.array([f[3] for f in found]).reshape(-1, 3, 3),
+        )
 
-def candidates(poses: Floats, near_m: float, every: int) -> list[tuple[int, int]]:
+
+def candidates(
+    poses: Floats, near_m: float, every: int, apart: int = APART, facing_rad: float = FACING_RAD
+) -> list[tuple[int, int]]:
     """Return pairs (first, last) of scans of different passes within `near_m`: the nearest one of each earlier pass."""
     pairs = []
-    for i in range(APART, len(poses), every):
-        earlier = poses[: i - APART + 1]
+    for i in range(apart, len(poses), every):
+        earlier = poses[: i - apart + 1]
         distance = np.hypot(earlier[:, 0] - poses[i, 0], earlier[:, 1] - poses[i, 1])
         facing = np.abs(wrap(earlier[:, 2] - poses[i, 2]))
-        near = np.flatnonzero((distance < near_m) & (facing < FACING_RAD))
+        near = np.flatnonzero((distance < near_m) & (facing < facing_rad))
         if not len(near):
             continue
         cost = distance + 0.5 * facing
@@ -62,7 +75,7 @@ def match_all(scans: list[ScanPoints], poses: Floats, pairs: list[tuple[int, int
     found: list[tuple[int, int, Floats, Floats]] = []
     there: tuple[int, Field, Surface] | None = None  # the surroundings of one scan serve all that are matched to it
     for j, i in sorted(pairs):
-        if len(scans[i].points) < 20:
+        if len(scans[i].points) < FEWEST_POINTS or len(scans[j].points) < FEWEST_POINTS:
             continue
         if there is None or there[0] != j:
             there = (j, *_surroundings(scans, poses, j))
@@ -83,12 +96,7 @@ def match_all(scans: list[ScanPoints], poses: Floats, pairs: list[tuple[int, int
         )
         if result.matched_fraction >= LEAST_MATCHED:
             found.append((j, i, result.pose, result.information))
-    return Closures(
-        np.array([f[0] for f in found], dtype=np.intp),
-        np.array([f[1] for f in found], dtype=np.intp),
-        np.array([f[2] for f in found]).reshape(-1, 3),
-        np.array([f[3] for f in found]).reshape(-1, 3, 3),
-    )
+    return Closures.of(found)
 
 
 def _surroundings(scans: list[ScanPoints], poses: Floats, j: int) -> tuple[Field, Surface]:
@@ -98,7 +106,7 @@ def _surroundings(scans: list[ScanPoints], poses: Floats, j: int) -> tuple[Field
     return lay_field(points, (low[0], low[1], high[0], high[1])), surface(points[flat], normals[flat])
 
 
-def agreeing(closures: Closures, poses: Floats) -> Closures:
+def agreeing(closures: Closures, poses: Floats, agree_m: float = AGREE_M, agree_rad: float = AGREE_RAD) -> Closures:
     """Return the closures that at least two others of their neighbourhood bear out."""
     if not len(closures):
         return closures
@@ -111,7 +119,7 @@ def agreeing(closures: Closures, poses: Floats) -> Closures:
         between(poses[last[other]], poses[last[one]]),
     )
     seen = closures.measured[one]
-    agree = np.hypot(expected[:, 0] - seen[:, 0], expected[:, 1] - seen[:, 1]) < AGREE_M
-    agree &= np.abs(wrap(expected[:, 2] - seen[:, 2])) < AGREE_RAD
+    agree = np.hypot(expected[:, 0] - seen[:, 0], expected[:, 1] - seen[:, 1]) < agree_m
+    agree &= np.abs(wrap(expected[:, 2] - seen[:, 2])) < agree_rad
     keep = np.bincount(one[agree], minlength=len(closures)) >= AGREEING
     return Closures(first[keep], last[keep], closures.measured[keep], closures.information[keep])

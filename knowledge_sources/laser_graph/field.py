@@ -14,16 +14,26 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from knowledge_sources.laser_graph.poses import Floats, rotate
 
-CELL_M = 0.05
-SIGMA_M = 0.06  # two sigmas of a common laser's noise (0.02 m) and half a cell
 COARSE = 4  # fine cells in a coarse one
 Bytes = npt.NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Raster:
+    """How fine a field is, and how far from a point something still fits."""
+
+    cell_m: float
+    sigma_m: float
+
+
+BEAMS = Raster(cell_m=0.05, sigma_m=0.06)  # two sigmas of a common laser's noise (0.02 m) and half a cell
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
     """A raster whose cell (0, 0) begins at `origin` (2,), metres; axis 0 is y."""
 
+    raster: Raster
     origin: Floats
     fine: Bytes
     coarse: Bytes
@@ -37,26 +47,27 @@ class Window:
     turn_rad: float
 
 
-def lay_field(points: Floats, reach: tuple[float, float, float, float]) -> Field:
+def lay_field(points: Floats, reach: tuple[float, float, float, float], raster: Raster = BEAMS) -> Field:
     """Return the field of the points (n, 2) over the box `reach` (x_min, y_min, x_max, y_max)."""
-    origin = np.floor(np.array(reach[:2]) / (CELL_M * COARSE)) * CELL_M * COARSE
-    size = np.ceil((np.array(reach[2:]) - origin) / (CELL_M * COARSE)).astype(int) * COARSE
+    coarse_m = raster.cell_m * COARSE
+    origin = np.floor(np.array(reach[:2]) / coarse_m) * coarse_m
+    size = np.ceil((np.array(reach[2:]) - origin) / coarse_m).astype(int) * COARSE
     columns, rows = size
     marked = np.zeros((rows, columns), dtype=np.uint8)
-    cells = np.floor((points - origin) / CELL_M).astype(int)
+    cells = np.floor((points - origin) / raster.cell_m).astype(int)
     cells = cells[((cells >= 0) & (cells < size)).all(axis=1)]
     marked[cells[:, 1], cells[:, 0]] = 255
-    fine = _spread(_spread(marked).T).T
+    fine = _spread(_spread(marked, raster).T, raster).T
     coarse = fine.reshape(rows // COARSE, COARSE, columns // COARSE, COARSE).max(axis=(1, 3))
-    return Field(origin, np.ascontiguousarray(fine), coarse)
+    return Field(raster, origin, np.ascontiguousarray(fine), coarse)
 
 
-def _spread(values: Bytes) -> Bytes:
+def _spread(values: Bytes, raster: Raster) -> Bytes:
     """Return the highest bell over each cell of a row of them: a two-dimensional bell is the product of two such."""
     out = values.copy()
     wide = values.astype(np.uint16)
-    for k in range(1, ceil(2.5 * SIGMA_M / CELL_M)):
-        bell = round(256 * np.exp(-0.5 * (k * CELL_M / SIGMA_M) ** 2))
+    for k in range(1, ceil(2.5 * raster.sigma_m / raster.cell_m)):
+        bell = round(256 * np.exp(-0.5 * (k * raster.cell_m / raster.sigma_m) ** 2))
         lower = ((wide * bell) >> 8).astype(np.uint8)
         np.maximum(out[k:], lower[:-k], out=out[k:])
         np.maximum(out[:-k], lower[k:], out=out[:-k])
@@ -69,7 +80,8 @@ def search(field: Field, points: Floats, guess: Floats, window: Window, best: in
     `best` coarse places are looked into; a tie goes to what was tried first, from low angles and low y.
     """
     longest_m = max(float(np.hypot(points[:, 0], points[:, 1]).max()), 1.0)
-    coarse_m = CELL_M * COARSE
+    cell_m = field.raster.cell_m
+    coarse_m = cell_m * COARSE
     turn_step = coarse_m / longest_m
     turns = _steps(window.turn_rad, max(turn_step, 0.02))
     shift = ceil(window.shift_m / coarse_m)
@@ -84,14 +96,14 @@ def search(field: Field, points: Floats, guess: Floats, window: Window, best: in
     for place in order:
         turn, row, column = place // (side * side), (place // side) % side, place % side
         centre = guess + np.array([(column - shift) * coarse_m, (row - shift) * coarse_m, turns[turn]])
-        fine = _sums(field.fine, field.origin, CELL_M, points, centre, fine_turns, COARSE // 2 + 1)
+        fine = _sums(field.fine, field.origin, cell_m, points, centre, fine_turns, COARSE // 2 + 1)
         k = int(np.argmax(fine))
         fit = float(fine.reshape(-1)[k])
         if fit > top:
             n = 2 * (COARSE // 2 + 1) + 1
             t, r, c = k // (n * n), (k // n) % n, k % n
             half = COARSE // 2 + 1
-            winner = centre + np.array([(c - half) * CELL_M, (r - half) * CELL_M, fine_turns[t]])
+            winner = centre + np.array([(c - half) * cell_m, (r - half) * cell_m, fine_turns[t]])
             top = fit
     return winner, top / 255.0
 

@@ -42,6 +42,7 @@ def align(
     prior: Floats,
     prior_information: Floats,
     reaches_m: tuple[float, ...] = (0.4, 0.3, 0.2, 0.15, 0.1, 0.1),
+    sigma_m: float = SIGMA_M,
 ) -> Alignment:
     """Return the pose in the target's frame at which the points lie on its lines, and what a prior pose says beside it.
 
@@ -50,6 +51,8 @@ def align(
     """
     pose = guess.copy()
     information = prior_information.copy()
+    if not len(target.points):
+        return Alignment(pose, information, 0.0, np.inf)
     matched, rms = 0.0, np.inf
     for reach_m in reaches_m:
         placed = transform(pose, points)
@@ -67,7 +70,7 @@ def align(
             residual = np.sum((placed - on) * lines, axis=1)
             arm = placed - pose[:2]
             jacobian = np.column_stack([lines, lines[:, 1] * arm[:, 0] - lines[:, 0] * arm[:, 1]])
-            weight = 1.0 / (1.0 + (residual / (0.5 * reach_m)) ** 2) ** 2 / SIGMA_M**2
+            weight = 1.0 / (1.0 + (residual / (0.5 * reach_m)) ** 2) ** 2 / sigma_m**2
             hessian += jacobian.T @ (jacobian * weight[:, None])
             gradient += jacobian.T @ (residual * weight)
             rms = float(np.sqrt(np.mean(residual**2)))

@@ -1,16 +1,17 @@
 """Looks back on a whole drive: closes its loops, solves the graph of poses, settles near scans on each other's lines."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from knowledge_sources.laser_graph.carving import contradicted_fraction
 from knowledge_sources.laser_graph.closures import agreeing, candidates, match_all
+from knowledge_sources.laser_graph.cones import Cones
 from knowledge_sources.laser_graph.field import Window
 from knowledge_sources.laser_graph.front_end import Tracker
 from knowledge_sources.laser_graph.multi_view import settle
-from knowledge_sources.laser_graph.odometry_model import OdometryModel, fit_odometry
+from knowledge_sources.laser_graph.odometry_model import fit_odometry
 from knowledge_sources.laser_graph.pose_graph import Edges, solve_graph
-from knowledge_sources.laser_graph.poses import Floats, between
+from knowledge_sources.laser_graph.poses import between
+from knowledge_sources.laser_graph.solution import Solution
 
 # how near a place must seem to be one met again, how far off it is searched (m, rad), and every how manieth scan is tried:
 # wide and sparse while the drive has not closed, narrow and dense once it has
@@ -19,26 +20,11 @@ ROUNDS = ((4.0, 3.0, 0.5, 2), (3.0, 1.5, 0.3, 2), (3.0, 0.8, 0.2, 1), (3.0, 0.4,
 LEAVE_OUT = 3.0
 SETTLING = ((0.5, 0.3), (0.2, 0.2), (0.1, 0.1))  # reaches of the neighbours, m
 STEP_DOUBT = 10.0  # neighbouring points of a scan err together: a step's information counts by a tenth
-CLOSED_FRACTION = 0.3  # of the candidates must agree with their neighbours: after a false start it is a tenth
+CLOSED_FRACTION = 0.3  # of the candidates agree with their neighbours: then wide searches bring no more
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Keyframes (n, 3) in the map, odometry's errors as they look from the end, and what closed the loops."""
-
-    poses: Floats
-    model: OdometryModel
-    closures: int
-    candidates: int
-
-    @property
-    def closed(self) -> bool:
-        """Say whether places met again were found, or none were to be found."""
-        return self.closures >= CLOSED_FRACTION * self.candidates
-
-
-def solve(tracker: Tracker) -> Solution:
-    """Return the keyframes of a tracked drive, corrected. Two keyframes at least."""
+def solve(tracker: Tracker, cones: Cones) -> Solution:
+    """Return the keyframes of a tracked drive, corrected; `cones` are their scans as such. Two keyframes at least."""
     poses, pieces = np.array(tracker.poses), np.array(tracker.pieces)
     count = len(poses)
     steps = np.arange(count - 1)
@@ -70,4 +56,6 @@ def solve(tracker: Tracker) -> Solution:
     )
     for reaches_m in SETTLING:
         poses = settle(tracker.scans, poses, odometry, reaches_m)
-    return Solution(poses, fit_odometry(pieces, between(poses[:-1], poses[1:])), found, pairs)
+    contradicted, seen_again = contradicted_fraction(cones, poses)
+    model = fit_odometry(pieces, between(poses[:-1], poses[1:]))
+    return Solution(poses, model, found, pairs, seen_again, contradicted)

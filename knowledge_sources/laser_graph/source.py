@@ -2,14 +2,18 @@
 
 Triggered by  observations/feature/odom_from_robot  Pose
               observations/signal/laser_scan        LaserScan
+              observations/signal/sonar_scan        SonarScan: of a robot without a laser, such as one thinned to cones
 Reads         status/robot
-Posts         hypotheses/feature/map_from_odom      Pose: at each keyframe, matched to the last ones
-              hypotheses/feature/corrected_path     CorrectedPath: at the end, loops closed
+Posts         hypotheses/feature/map_from_odom      Pose: at each keyframe, matched to the last ones (a laser only)
+              hypotheses/feature/corrected_path     CorrectedPath: at the end, loops closed; endorsed for or against
               hypotheses/feature/grid/<tile>        GridTile: at the end, folded along that path
+
+Cones say too little to be matched one by one: with them the pose is odometry's until the end.
 
 Source: scan matching (Olson 2009; Censi 2008), a graph of poses (Grisetti et al. 2010), all scans at once (Lu and Milios 1997).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,17 +23,20 @@ from blackboard.access import Access
 from blackboard.component import KnowledgeSource
 from blackboard.entry import Entry, Support
 from blackboard.grid import tile_id
-from blackboard.kinds import CORRECTED_PATH, GRID, LASER_SCAN, MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT
-from blackboard.messages.geometry import Pose, pack_array, wrap_angle
+from blackboard.kinds import CORRECTED_PATH, GRID, LASER_SCAN, MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT, SONAR_SCAN
+from blackboard.messages.geometry import IDENTITY, Pose, pack_array, wrap_angle
 from blackboard.messages.mapping import CorrectedPath
-from blackboard.messages.sensing import LaserScan, RobotDescription
+from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan
 from blackboard.parameters import require
 from knowledge_sources.eou_grid import EvidenceGrid
 from knowledge_sources.eou_params import EouGridParams
 from knowledge_sources.laser_graph.bend import bend
+from knowledge_sources.laser_graph.cone_solve import solve_cones
+from knowledge_sources.laser_graph.cones import cones_of_lasers, cones_of_sonars
 from knowledge_sources.laser_graph.front_end import Tracker
 from knowledge_sources.laser_graph.poses import Floats, between
 from knowledge_sources.laser_graph.scan_points import scan_points
+from knowledge_sources.laser_graph.solution import Solution
 from knowledge_sources.laser_graph.solve import solve
 from knowledge_sources.sensors import laser_of
 from knowledge_sources.stretches import Stretches
@@ -53,7 +60,7 @@ class LaserGraph(KnowledgeSource[LaserGraphParams]):
     """Tracks from keyframe to keyframe; looks back on all of them at the end. Memory grows with the way driven."""
 
     Params = LaserGraphParams
-    triggers = (ODOM_FROM_ROBOT, LASER_SCAN)
+    triggers = (ODOM_FROM_ROBOT, LASER_SCAN, SONAR_SCAN)
     reads = (ROBOT,)
     posts = (MAP_FROM_ODOM, CORRECTED_PATH, GRID)
     rating = 60.0
@@ -66,7 +73,8 @@ class LaserGraph(KnowledgeSource[LaserGraphParams]):
         self._odometry: list[Floats] = []  # x_m, y_m, heading_rad at each stamp
         self._odometry_revision = 0  # the last one taken
         self._at: list[int] = []  # reading at which each keyframe was taken
-        self._scans: list[LaserScan] = []
+        self._sweeps: list[LaserScan] = []  # of the keyframes
+        self._rings: list[SonarScan] = []  # of the keyframes of a robot without a laser
         self._stretches = Stretches()
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
@@ -74,17 +82,27 @@ class LaserGraph(KnowledgeSource[LaserGraphParams]):
         robot = board.newest(ROBOT)
         if isinstance(trigger.value, Pose) or robot is None or not self._odometry or not self._moved():
             return
-        laser = laser_of(robot.value, trigger.value.laser)
+        if isinstance(trigger.value, LaserScan):
+            map_from_odom = self._track(trigger.value, robot.value)
+            self._sweeps.append(trigger.value)
+        elif not robot.value.lasers:
+            map_from_odom = IDENTITY
+            self._rings.append(trigger.value)
+        else:
+            return
+        self._at.append(len(self._odometry) - 1)
+        self._stretches.add((trigger,))
+        if self._sweeps or len(self._at) == 1:
+            board.post(MAP_FROM_ODOM, map_from_odom, supports=[trigger], stamp_s=trigger.stamp_s)
+
+    def _track(self, sweep: LaserScan, robot: RobotDescription) -> Pose:
+        """Match a sweep to the last ones; return map_from_odom."""
         start = self._odometry[self._at[-1]] if self._at else self._odometry[-1]
-        scan = scan_points(trigger.value, laser.mount, self.params.longest_m)
+        scan = scan_points(sweep, laser_of(robot, sweep.laser).mount, self.params.longest_m)
         found = self._tracker.add(scan, between(start, self._odometry[-1]))
         if not self._at:  # the map begins where odometry does
             found = self._tracker.poses[0] = self._odometry[-1].copy()
-        self._at.append(len(self._odometry) - 1)
-        self._scans.append(trigger.value)
-        self._stretches.add((trigger,))
-        map_from_odom = _pose(found) @ _pose(self._odometry[-1]).inverse()
-        board.post(MAP_FROM_ODOM, map_from_odom, supports=[trigger], stamp_s=trigger.stamp_s)
+        return _pose(found) @ _pose(self._odometry[-1]).inverse()
 
     def _take_odometry(self, board: Access, until_s: float) -> None:
         """Take what odometry said up to a stamp: of the readings that came together, no scan may see later ones."""
@@ -103,21 +121,28 @@ class LaserGraph(KnowledgeSource[LaserGraphParams]):
         robot = board.newest(ROBOT)
         if robot is None or len(self._at) < 2:
             return
-        solution = solve(self._tracker)
-        path = bend(np.array(self._odometry), np.array(self._at), solution.poses, solution.model)
+        odometry, at = np.array(self._odometry), np.array(self._at)
+        if self._sweeps:
+            solution = solve(self._tracker, cones_of_lasers(self._sweeps, robot.value))
+        else:
+            solution = solve_cones(cones_of_sonars(self._rings, robot.value), odometry, at)
+        path = bend(odometry, at, solution.poses, solution.model)
         value = CorrectedPath(
             poses=pack_array(np.column_stack([np.array(self._stamps), path])),
             closures=solution.closures,
             candidates=solution.candidates,
+            seen_again=solution.seen_again,
+            contradicted_fraction=solution.contradicted_fraction,
             closed=solution.closed,
         )
-        supports = self._stretches.supports()
-        entry = board.post(CORRECTED_PATH, value, supports=supports)
+        entry = board.post(CORRECTED_PATH, value, supports=self._stretches.supports())
         self._post_grid(solution.poses, robot.value, entry, board)
+        _endorse(entry, solution, board)
 
     def _post_grid(self, keyframes: Floats, robot: RobotDescription, path: Entry[CorrectedPath], board: Access) -> None:
         grid = EvidenceGrid(EouGridParams())
-        for scan, pose in zip(self._scans, keyframes, strict=True):
+        scans: Sequence[LaserScan | SonarScan] = self._sweeps or self._rings
+        for scan, pose in zip(scans, keyframes, strict=True):
             grid.fold(scan, robot, _pose(pose))
         for tile in grid.take_changed():
             board.post(GRID, tile, id=tile_id(tile), supports=[path])
@@ -128,6 +153,16 @@ class LaserGraph(KnowledgeSource[LaserGraphParams]):
         last, now = self._odometry[self._at[-1]], self._odometry[-1]
         far = float(np.hypot(*(now - last)[:2])) >= self.params.step_m
         return far or abs(wrap_angle(float(now[2] - last[2]))) >= self.params.turn_rad
+
+
+def _endorse(entry: Entry[CorrectedPath], solution: Solution, board: Access) -> None:
+    """Say of the path whether what was seen again from it fits together; nothing where nothing was."""
+    if solution.candidates:
+        why = (
+            f"{solution.closures} of {solution.candidates} places met again fit; "
+            f"{100.0 * solution.contradicted_fraction:.0f} % of what was seen again contradicts another pass"
+        )
+        board.endorse(entry, "for" if solution.closed else "against", why)
 
 
 def _array(pose: Pose) -> Floats:

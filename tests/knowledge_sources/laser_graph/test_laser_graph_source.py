@@ -15,6 +15,7 @@ from blackboard.runner import Run, RunOptions
 
 SHARED = Path(__file__).resolve().parents[4] / "shared"
 INTEL = SHARED / "data" / "laser" / "intel.log.gz"
+SEATTLE = SHARED / "data" / "laser" / "seattle.log.gz"
 
 
 def laser_mission(folder: Path) -> Path:
@@ -41,6 +42,7 @@ def test_slipping_wheels_are_corrected(tmp_path: Path) -> None:
     assert error.mean() < 0.05
     assert error.max() < 0.15
     assert corrected.value.closed
+    assert [(e.who, e.verdict) for e in corrected.endorsements] == [("laser_graph", "for")]
     assert len(run.board.entries(GRID)) > 4
     assert {support.key.rpartition("/")[2] for support in corrected.supports} == {"odom_from_robot", "laser_scan"}
 
@@ -56,3 +58,20 @@ def test_intel_closes(tmp_path: Path) -> None:
     assert score["used"] == score["of"]
     assert score["trans_mean_m"] < 0.06
     assert score["clear_trans_mean_m"] < 0.05
+
+
+@pytest.mark.skipif(not SEATTLE.exists(), reason=f"{SEATTLE} is absent")
+@pytest.mark.parametrize(("cones", "closes"), [(12, True), (2, False)])
+def test_cones_close_or_say_that_they_did_not(
+    cones: int, closes: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    run = ["map", str(SEATTLE), "--cones", str(cones), "--mission", "map-recording-laser", "--out", str(out), "--json"]
+    assert main(run) == 0
+    said = capsys.readouterr()
+    table = json.loads(said.out)
+    assert table["map_closed"] == ("yes" if closes else "not closed: do not trust it")
+    assert ("ski: the map did not close" in said.err) == (not closes)
+    entries = [json.loads(line) for line in (out / "board.jsonl").read_text().splitlines() if "corrected_path" in line]
+    verdicts = [e["verdict"] for entry in entries for e in entry.get("endorsements", ())]
+    assert verdicts == ["for" if closes else "against"]
