@@ -55,7 +55,14 @@ def measured(drive: Drive) -> str:
     """Map one drive; return its row."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "map"
-        run = [sys.executable, "-m", "blackboard.command.main", "map", drive.recording, *drive.options]
+        run: list[str | Path] = [
+            sys.executable,
+            "-m",
+            "blackboard.command.main",
+            "map",
+            drive.recording,
+            *drive.options,
+        ]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         table = _json([*run, "--mission", "map-recording-laser", "--out", out, "--json"])
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -68,7 +75,15 @@ def measured(drive: Drive) -> str:
 
 def _error(recording: Path, trajectory: Path) -> str:
     if recording == INTEL:
-        score = [sys.executable, TOOLS / "relations.py", trajectory, RELATIONS, "--odometry", INTEL, "--json"]
+        score: list[str | Path] = [
+            sys.executable,
+            TOOLS / "relations.py",
+            trajectory,
+            RELATIONS,
+            "--odometry",
+            INTEL,
+            "--json",
+        ]
         found = _json(score)
         return f"relations {found['trans_mean_m']:.4f} m, clear ones {found['clear_trans_mean_m']:.4f} m"
     if recording == AUTOLAB:
