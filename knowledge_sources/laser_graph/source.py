@@ -7,6 +7,7 @@ Reads         status/robot
 Posts         hypotheses/feature/map_from_odom      Pose: at each keyframe, matched to the last ones (a laser only)
               hypotheses/feature/corrected_path     CorrectedPath: at the end, loops closed; endorsed for or against
               hypotheses/feature/grid/<tile>        GridTile: at the end, folded along that path
+              observations/feature/supported_points PointSet: at the end, all that was seen along that path, for a line finder
 
 Cones say too little to be matched one by one: with them the pose is odometry's until the end.
 
@@ -23,7 +24,16 @@ from blackboard.access import Access
 from blackboard.component import KnowledgeSource
 from blackboard.entry import Entry, Support
 from blackboard.grid import tile_id
-from blackboard.kinds import CORRECTED_PATH, GRID, LASER_SCAN, MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT, SONAR_SCAN
+from blackboard.kinds import (
+    CORRECTED_PATH,
+    GRID,
+    LASER_SCAN,
+    MAP_FROM_ODOM,
+    ODOM_FROM_ROBOT,
+    ROBOT,
+    SONAR_SCAN,
+    SUPPORTED_POINTS,
+)
 from blackboard.messages.geometry import IDENTITY, Pose, pack_array, wrap_angle
 from blackboard.messages.mapping import CorrectedPath
 from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan
@@ -31,9 +41,11 @@ from blackboard.parameters import require
 from knowledge_sources.eou_grid import EvidenceGrid
 from knowledge_sources.eou_params import EouGridParams
 from knowledge_sources.laser_graph.bend import bend
+from knowledge_sources.laser_graph.carving import carve
 from knowledge_sources.laser_graph.cone_solve import solve_cones
 from knowledge_sources.laser_graph.cones import cones_of_lasers, cones_of_sonars
 from knowledge_sources.laser_graph.front_end import Tracker
+from knowledge_sources.laser_graph.map_points import beam_ends, echo_middles
 from knowledge_sources.laser_graph.poses import Floats, between
 from knowledge_sources.laser_graph.scan_points import scan_points
 from knowledge_sources.laser_graph.solution import Solution
@@ -62,7 +74,7 @@ class LaserGraph(KnowledgeSource[LaserGraphParams]):
     Params = LaserGraphParams
     triggers = (ODOM_FROM_ROBOT, LASER_SCAN, SONAR_SCAN)
     reads = (ROBOT,)
-    posts = (MAP_FROM_ODOM, CORRECTED_PATH, GRID)
+    posts = (MAP_FROM_ODOM, CORRECTED_PATH, GRID, SUPPORTED_POINTS)
     rating = 60.0
     work = 5
 
@@ -124,8 +136,11 @@ class LaserGraph(KnowledgeSource[LaserGraphParams]):
         odometry, at = np.array(self._odometry), np.array(self._at)
         if self._sweeps:
             solution = solve(self._tracker, cones_of_lasers(self._sweeps, robot.value))
+            points = beam_ends(self._tracker.scans, solution.poses)
         else:
-            solution = solve_cones(cones_of_sonars(self._rings, robot.value), odometry, at)
+            cones = cones_of_sonars(self._rings, robot.value)
+            solution = solve_cones(cones, odometry, at)
+            points = echo_middles(cones, solution.poses, carve(cones, solution.poses))
         path = bend(odometry, at, solution.poses, solution.model)
         value = CorrectedPath(
             poses=pack_array(np.column_stack([np.array(self._stamps), path])),
@@ -137,6 +152,7 @@ class LaserGraph(KnowledgeSource[LaserGraphParams]):
         )
         entry = board.post(CORRECTED_PATH, value, supports=self._stretches.supports())
         self._post_grid(solution.poses, robot.value, entry, board)
+        board.post(SUPPORTED_POINTS, points, supports=[entry])
         _endorse(entry, solution, board)
 
     def _post_grid(self, keyframes: Floats, robot: RobotDescription, path: Entry[CorrectedPath], board: Access) -> None:

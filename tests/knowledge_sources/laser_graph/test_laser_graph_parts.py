@@ -8,10 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blackboard.messages.geometry import IDENTITY
-from blackboard.messages.sensing import LaserScan
+from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan, SonarSensor
 from knowledge_sources.laser_graph.bend import bend
 from knowledge_sources.laser_graph.closures import Closures, agreeing
+from knowledge_sources.laser_graph.cones import cones_of_sonars
 from knowledge_sources.laser_graph.field import Window, lay_field, search
+from knowledge_sources.laser_graph.map_points import beam_ends, echo_middles
 from knowledge_sources.laser_graph.odometry_model import OdometryModel, fit_odometry
 from knowledge_sources.laser_graph.point_to_line import align, surface
 from knowledge_sources.laser_graph.pose_graph import Edges, solve_graph
@@ -127,3 +129,31 @@ def test_a_bent_way_passes_through_its_keyframes() -> None:
     assert np.allclose(way[at], keyframes, atol=1e-9)
     assert np.hypot(*np.diff(way[:, :2], axis=0).T).max() < 0.15  # no jumps
     assert np.allclose(transform(keyframes[0], np.array([[1.0, 0.0]]))[0], way[20, :2], atol=0.2)
+
+
+def test_the_map_s_points_are_means_of_cells_that_were_seen_twice() -> None:
+    scan = ScanPoints(np.array([[1.01, 0.01], [3.0, 0.02], [9.0, 0.0]]), np.zeros((3, 2)), np.zeros(3, np.bool_))
+    points = beam_ends([scan, scan], np.array([[0.0, 0.0, 0.0], [0.02, 0.02, 0.0]]))
+    assert points.points.unpack().tolist() == [pytest.approx([1.02, 0.02]), pytest.approx([3.01, 0.03])]
+    assert points.sensed_from.unpack().tolist() == [[0.0, 0.0], [0.0, 0.0]]
+    assert beam_ends([scan], np.zeros((1, 3))).points.shape == (0, 2)
+    assert beam_ends([scan], np.zeros((1, 3))).dropped == 2  # the third is too far off
+
+
+def test_the_middle_of_what_is_left_of_an_arc_counts() -> None:
+    ring = RobotDescription(
+        name="one",
+        radius_m=0.2,
+        max_speed_mps=1.0,
+        max_turn_radps=1.0,
+        max_acceleration_mps2=1.0,
+        sonars=(SonarSensor(mount=IDENTITY, cone_rad=0.4, max_range_m=5.0),),
+    )
+    cones = cones_of_sonars([SonarScan(sensors=(0,), ranges_m=(2.0,))], ring)
+    whole = np.ones((1, 1, cones.arcs.shape[2]), dtype=np.bool_)
+    assert echo_middles(cones, np.zeros((1, 3)), whole).points.shape == (0, 2)  # 0.7 m long
+    part = whole.copy()
+    part[..., 2:] = False
+    ends = cones.arcs[0, 0, :2]
+    found = echo_middles(cones, np.array([[0.0, 0.0, pi / 2]]), part).points.unpack()
+    assert found[0].tolist() == pytest.approx([-ends[:, 1].mean(), ends[:, 0].mean()])

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from blackboard.command.gather import gather
 from blackboard.command.main import main
 from blackboard.kinds import CORRECTED_PATH, GRID
 from blackboard.mission import find_mission, load_mission, shipped_missions
@@ -44,6 +45,9 @@ def test_slipping_wheels_are_corrected(tmp_path: Path) -> None:
     assert corrected.value.closed
     assert [(e.who, e.verdict) for e in corrected.endorsements] == [("laser_graph", "for")]
     assert len(run.board.entries(GRID)) > 4
+    table = gather(run, "laser").table
+    assert float(table["lines_spurious_fraction"]) < 0.03
+    assert float(table["walls_found_fraction"]) > 0.85
     assert {support.key.rpartition("/")[2] for support in corrected.supports} == {"odom_from_robot", "laser_scan"}
 
 
