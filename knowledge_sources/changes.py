@@ -146,7 +146,7 @@ class Changes(KnowledgeSource[ChangesParams]):
             shown = self._long.shown_occupied(watched.places)
             if now_s >= watched.until_s or (shown <= 0.05 if watched.appeared else shown >= 0.5):
                 self._fading.remove(watched)
-                self._settle(watched)
+                self._settle(watched, occupied=not watched.appeared)
         for found in self._long.differences(now_s, params.lasted_s, params.near_m, params.least_cells):
             self._post(found, board)
 
@@ -157,7 +157,7 @@ class Changes(KnowledgeSource[ChangesParams]):
         if len(both) > len(watched.places):
             watched.places = both
             if watched.accepted:
-                self._long.settle(both, NEAR_M)
+                self._long.settle(both, NEAR_M, watched.appeared)
             else:
                 self._long.hold(both, NEAR_M, hold=True)
 
@@ -209,7 +209,7 @@ class Changes(KnowledgeSource[ChangesParams]):
 
     def _accept(self, watched: _Watched, entry: Entry[Change], board: Access) -> None:
         watched.accepted = True
-        self._settle(watched)
+        self._settle(watched, occupied=watched.appeared)
         entry = board.post(CHANGE, replace(entry.value, accepted=True), id=watched.id, supports=[entry])
         self._judge(watched, entry, board)
         if not watched.appeared:
@@ -226,10 +226,10 @@ class Changes(KnowledgeSource[ChangesParams]):
         watched.until_s = board.now_s + FADE_S
         self._fading.append(watched)
 
-    def _settle(self, watched: _Watched) -> None:
-        """Let the map expect there what is seen there now."""
+    def _settle(self, watched: _Watched, occupied: bool) -> None:
+        """Let the map expect there what the looks have said, where the grid shows it."""
         self._long.hold(watched.places, NEAR_M, hold=False)
-        self._long.settle(watched.places, NEAR_M)
+        self._long.settle(watched.places, NEAR_M, occupied)
 
     def _revise(self, watched: _Watched, board: Access) -> Entry[Change]:
         low, high = watched.places.min(axis=0), watched.places.max(axis=0)

@@ -79,10 +79,11 @@ class LongStanding:
         """Keep the cells within `reach_m` of some places from settling, or let them."""
         self._held[_widened(self._mask(places), round(reach_m / self._cell_m))] = hold
 
-    def settle(self, places: Floats, reach_m: float) -> None:
-        """Take what the cells within `reach_m` of some places show now as it is from now on."""
-        near = _widened(self._mask(places), round(reach_m / self._cell_m)) & (self._shown != UNKNOWN)
-        self._settled[near] = self._shown[near]
+    def settle(self, places: Floats, reach_m: float, occupied: bool) -> None:
+        """Take it as it is from now on that something, or nothing, stands at those cells within `reach_m` that show so."""
+        state = OCCUPIED if occupied else EMPTY
+        near = _widened(self._mask(places), round(reach_m / self._cell_m)) & (self._shown == state)
+        self._settled[near] = state
 
     def shown_occupied(self, places: Floats) -> float:
         """Return of which share of these places the grid shows that something stands there."""

@@ -7,21 +7,23 @@ Reads         observations/feature/line, observations/feature/supported_points, 
 Posts         hypotheses/feature/line_matches           LineMatches
               hypotheses/feature/model_line/<n>         ModelLine
               hypotheses/symbol/new_area_visited/<n>    NewAreaVisited: confirmed, it becomes model line <n>
+              hypotheses/symbol/verdict/new_area_visited.*  Verdict
 
 Source: Bou-Ghannam 1992, sections 5.2.4.1 and 3.3; functions in `line_estimates`, `line_match`, `line_model`. With
-`wait_for_re_reference = false` it merges at once, where odometry says.
+`wait_for_re_reference = false` it merges at once, where odometry says. Anyone may speak against a line (`line_doubts` does):
+what is denied by all that was said of it, is taken back.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot, sqrt
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from blackboard.access import Access
 from blackboard.component import KnowledgeSource, Trigger
-from blackboard.entry import Entry, Support
+from blackboard.entry import Entry, Strength, Support
 from blackboard.kinds import (
     EXPECTED_LINES,
     LINE,
@@ -32,11 +34,15 @@ from blackboard.kinds import (
     POSE_ESTIMATE,
     RE_REFERENCE,
     SUPPORTED_POINTS,
+    VERDICT,
 )
+from blackboard.messages.base import Message
 from blackboard.messages.geometry import Point
 from blackboard.messages.model import LineMatches, LineSet, ModelLine, NewAreaVisited, PoseEstimate, ReReference
 from blackboard.messages.world import Line, PointSet
+from blackboard.uncertainty.endorsements import reasons, standing
 from blackboard.uncertainty.matrices import Array
+from blackboard.uncertainty.theories import judge
 from knowledge_sources.line_estimates import as_model_line, from_line, from_model_line
 from knowledge_sources.line_match import merge_lines
 from knowledge_sources.line_model import Observed, best_match, match_lines
@@ -44,7 +50,9 @@ from knowledge_sources.line_sightings import Missed
 from knowledge_sources.match_merge_params import MatchMergeParams
 from knowledge_sources.pose_correction import pose_error_seen
 from knowledge_sources.stretches import Stretches
+from knowledge_sources.verdicts import Verdicts
 
+M = TypeVar("M", bound=Message)
 NEAR_LINE_M = 0.3  # points this near to a line say from which side it was sensed
 
 
@@ -62,7 +70,7 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
 
     Params = MatchMergeParams
     reads = (LINE, SUPPORTED_POINTS, POSE_ESTIMATE, EXPECTED_LINES)
-    posts = (LINE_MATCHES, MODEL_LINE, NEW_AREA_VISITED)
+    posts = (LINE_MATCHES, MODEL_LINE, NEW_AREA_VISITED, VERDICT)
     rating = 8.0
     work = 5
 
@@ -71,6 +79,7 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
         self._batch: Batch | None = None
         self._made = 0  # lines that were new
         self._missed = Missed()
+        self._verdicts = Verdicts(params.theory, needs=("elsewhere",))
         self._viewed = 0  # the last revision of the expected lines that has counted
         if params.wait_for_re_reference:
             self.triggers = (LINE_SET, Trigger(kind=RE_REFERENCE, when=self._awaited))
@@ -132,7 +141,10 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
                 known[id_] = board.post(MODEL_LINE, line, id=id_, supports=[trigger], stamp_s=trigger.stamp_s)
             else:
                 area = NewAreaVisited(line=line, seen_from=Point(x_m=seen.from_x_m, y_m=seen.from_y_m))
-                doubtful[id_] = board.post(NEW_AREA_VISITED, area, id=id_, supports=[trigger], stamp_s=trigger.stamp_s)
+                new = board.post(NEW_AREA_VISITED, area, id=id_, supports=[trigger], stamp_s=trigger.stamp_s)
+                new = board.endorse(new, "for", "a line that matches none known", about="seen", strength="weak")
+                self._verdicts.judge(board, new)
+                doubtful[id_] = new
             seen_ids.append(id_)
         self._deny(seen_ids, known, doubtful, board)
 
@@ -149,8 +161,10 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
     def _merge_into(
         self, entry: Entry[ModelLine], seen: Observed, trigger: Entry[Any], board: Access
     ) -> Entry[ModelLine]:
-        line = self._merged(entry.value, seen)
-        return board.post(MODEL_LINE, line, id=entry.id, supports=_with(entry, trigger), stamp_s=trigger.stamp_s)
+        line, entry = self._merged(entry.value, seen), _not_missing(entry, board)
+        return board.post(
+            MODEL_LINE, line, id=entry.id, supports=_with(entry, trigger), stamp_s=_stamp_s(entry, trigger)
+        )
 
     def _look_again(
         self,
@@ -162,15 +176,20 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
         known: dict[str, Entry[ModelLine]],
     ) -> None:
         """A line in question was seen once more: from elsewhere that confirms it, and it joins the model."""
-        id_, old = str(entry.id), entry.value
+        id_, old, entry = str(entry.id), entry.value, _not_missing(entry, board)
         area = NewAreaVisited(line=self._merged(old.line, seen), seen_from=old.seen_from)
-        entry = board.post(NEW_AREA_VISITED, area, id=id_, supports=_with(entry, trigger), stamp_s=trigger.stamp_s)
+        stamp_s = _stamp_s(entry, trigger)
+        entry = board.post(NEW_AREA_VISITED, area, id=id_, supports=_with(entry, trigger), stamp_s=stamp_s)
         away = hypot(seen.from_x_m - old.seen_from.x_m, seen.from_y_m - old.seen_from.y_m)
-        if away < self.params.elsewhere_m:
+        if away >= self.params.elsewhere_m and not any(e.about == "elsewhere" for e in entry.endorsements):
+            why = f"seen again {away:.1f} m from where it was first seen"
+            entry = board.endorse(entry, "for", why, about="elsewhere", strength="strong")
+        sure = self._verdicts.judge(board, entry).outcome == "confirmed"
+        if not sure or reasons(standing(entry.endorsements), "against"):  # while anybody has a doubt, it waits
             doubtful[id_] = entry
             return
-        entry = board.endorse(entry, "for", f"seen again {away:.1f} m from where it was first seen")
         known[id_] = board.post(MODEL_LINE, area.line, id=id_, supports=[entry], stamp_s=trigger.stamp_s)
+        self._verdicts.close(board, entry)
         board.retract(NEW_AREA_VISITED, id_)
 
     def _deny(
@@ -180,7 +199,29 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
         doubtful: dict[str, Entry[NewAreaVisited]],
         board: Access,
     ) -> None:
-        """Speak against what was in view and not seen, and take back what was missing too often."""
+        """Speak against what was in view and not seen too often, and take back what is denied."""
+        self._count_missed(seen, known, doubtful, board)
+        for kind, lines in ((MODEL_LINE, known), (NEW_AREA_VISITED, doubtful)):
+            for id_ in [i for i in lines if i not in seen]:
+                entry: Entry[Any] | None = board.newest(kind, id_)
+                if entry is None or not entry.endorsements:
+                    continue
+                if kind is NEW_AREA_VISITED:
+                    outcome = self._verdicts.judge(board, entry).outcome
+                else:
+                    outcome = judge(self.params.theory, entry.endorsements).outcome
+                if outcome == "denied":
+                    self._verdicts.close(board, entry)
+                    board.retract(kind, id_)
+                    self._missed.forget(id_)
+
+    def _count_missed(
+        self,
+        seen: Sequence[str],
+        known: dict[str, Entry[ModelLine]],
+        doubtful: dict[str, Entry[NewAreaVisited]],
+        board: Access,
+    ) -> None:
         newest = board.newest(EXPECTED_LINES)
         if newest is None or newest.revision <= self._viewed:
             return
@@ -196,11 +237,25 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
                 self._missed.forget(id_)
                 continue
             last = self.params.misses_of_new if id_ in doubtful else self.params.misses
+            if times >= last and any(e.about == "elsewhere" for e in entry.endorsements):
+                entry = board.withdraw(entry, "elsewhere", "it is not seen any more")
             if times in (max(last // 2, 1), last):
-                board.endorse(entry, "against", f"in view and not seen in {times} sets of lines, one after the other")
-            if times >= last:
-                board.retract(MODEL_LINE if id_ in known else NEW_AREA_VISITED, id_)
-                self._missed.forget(id_)
+                why = f"in view and not seen in {times} sets of lines, one after the other"
+                strength: Strength = "strong" if times >= last else "fair"
+                board.endorse(entry, "against", why, about="missing", strength=strength)
+
+
+def _not_missing(entry: Entry[M], board: Access) -> Entry[M]:
+    """Take back that a line was in view and not seen, where that was said: here it is."""
+    said = [e for e in entry.endorsements if (e.who, e.about) == (board.name, "missing")]
+    if said and said[-1].verdict != "withdrawn":
+        return board.withdraw(entry, "missing", "seen again")
+    return entry
+
+
+def _stamp_s(entry: Entry[Any], trigger: Entry[Any]) -> float:
+    """Return when it was seen again: at the trigger's stamp, but not before anybody's last word about it."""
+    return max(entry.stamp_s, trigger.stamp_s)
 
 
 def _pose(entry: Entry[PoseEstimate] | None) -> tuple[tuple[float, float], Array]:

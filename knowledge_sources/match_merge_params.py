@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from blackboard.parameters import require
+from blackboard.uncertainty.theories import Theory
 from knowledge_sources.line_estimates import NoiseFloor
 from knowledge_sources.line_match import MatchLimits
 
@@ -22,6 +23,7 @@ class MatchMergeParams:
     least_views: int = 3  # on the way through one batch, from which a line must have been in view to be missed
     misses: int = 8  # in a row: a finder that finds half of what is there misses so often once in 256 times
     misses_of_new: int = 4  # of a line not confirmed yet
+    theory: Theory = "endorsements"  # that weighs the reasons for and against lines
     limits: MatchLimits = field(init=False)
     floor: NoiseFloor = field(init=False)
 

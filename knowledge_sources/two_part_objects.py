@@ -154,7 +154,8 @@ class TwoPartObjects(KnowledgeSource[TwoPartObjectsParams]):
         """Post what has changed by more than a little, with the reasons for and against."""
         if track.scans < self.params.least_scans or track.over:
             return
-        if track.scans < self.params.least_fraction * track.looks:
+        known = track.told is not None and track.told[1]
+        if not known and track.scans < self.params.least_fraction * track.looks:
             if track.id:
                 self._deny(
                     track, [Reason("from most places it does not look round", "body", "against", "strong")], board

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from blackboard.access import Access
 from blackboard.board import Board
 from blackboard.component import KnowledgeSource
 from blackboard.control import Control
@@ -18,10 +19,12 @@ from blackboard.kinds import (
     MODEL_LINE,
     NEW_AREA_VISITED,
     SUPPORTED_POINTS,
+    VERDICT,
 )
 from blackboard.messages.geometry import Point, pack_array
 from blackboard.messages.model import ExpectedLines, LineSet, ModelLine, NewAreaVisited
 from blackboard.messages.world import Line, PointSet
+from blackboard.uncertainty.theories import THEORIES, Theory
 from blackboard.vocabulary import Vocabulary
 from knowledge_sources.match_merge import MatchMerge
 from knowledge_sources.match_merge_params import MatchMergeParams
@@ -121,7 +124,8 @@ def test_what_matches_nothing_is_asked_about_and_confirmed_from_elsewhere() -> N
     assert bench.new_areas == {}
     assert bench.model["2"].observations == 3
     last = [e for e in bench.posted if "new_area_visited" in e.key][-1]
-    assert (last.event, [e.verdict for e in last.endorsements]) == ("retracted", ["for"])
+    said = [(e.about, e.verdict) for e in last.endorsements]
+    assert (last.event, said) == ("retracted", [("seen", "for"), ("elsewhere", "for")])
     confirmed = bench.board.newest(MODEL_LINE, "2")
     assert confirmed is not None
     assert confirmed.supports[0].key == bench.board.key(NEW_AREA_VISITED, "2")
@@ -137,8 +141,49 @@ def test_what_is_not_seen_again_is_denied_with_reasons() -> None:
     assert bench.new_areas == {}
     last = [e for e in bench.posted if "new_area_visited" in e.key][-1]
     assert last.event == "retracted"
-    assert [(e.who, e.verdict) for e in last.endorsements] == [("match_merge", "against")] * 2
+    assert [(e.who, e.about, e.verdict) for e in last.endorsements] == [
+        ("match_merge", "seen", "for"),
+        ("match_merge", "missing", "against"),
+        ("match_merge", "missing", "against"),
+    ]
     assert "not seen in 4" in last.endorsements[-1].why
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_new_areas_by_every_theory(theory: Theory) -> None:
+    bench = Bench(MatchMergeParams(wait_for_re_reference=False, theory=theory))
+    bench.see(LEVEL)
+    bench.see(LEVEL, STEEP, (0.0, 6.0, 3.0, 6.0))
+    outcomes = [(e.id, e.value.outcome, e.value.lacking) for e in bench.board.entries(VERDICT)]
+    assert outcomes == [(f"new_area_visited.{i}", "unresolved", ("elsewhere",)) for i in (2, 3)]
+    for _ in range(4):
+        bench.see(LEVEL, STEEP, robot=(0.6, 0.0), expect=("3",))
+    assert list(bench.model) == ["1", "2"]
+    assert bench.new_areas == {}
+    assert bench.board.entries(VERDICT) == []
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_others_have_a_say(theory: Theory) -> None:
+    """A new line waits while somebody doubts it, and a known one goes when somebody knows better."""
+    bench = Bench(MatchMergeParams(wait_for_re_reference=False, theory=theory))
+    bench.see(LEVEL)
+    bench.see(LEVEL, STEEP)
+    other = Access(bench.board, "other", (), ())
+    other.endorse(bench.board.entries(NEW_AREA_VISITED)[0], "against", "somebody stands there", about="change")
+    bench.see(LEVEL, STEEP, robot=(0.6, 0.0))
+    bench.see(LEVEL, STEEP, robot=(1.2, 0.0))
+    assert list(bench.new_areas) == ["2"]
+    other.withdraw(bench.board.entries(NEW_AREA_VISITED)[0], "change", "it is a cupboard")
+    bench.see(LEVEL, STEEP)
+    assert list(bench.model) == ["1", "2"]
+    entry = bench.board.newest(MODEL_LINE, "2")
+    assert entry is not None
+    other.endorse(entry, "against", "the grid is empty there", about="grid", strength="strong")
+    bench.see(LEVEL, STEEP, expect=("1",))
+    assert list(bench.model) == ["1", "2"]  # not while it is seen
+    bench.see(LEVEL, expect=("1",))
+    assert list(bench.model) == ["1"]
 
 
 def test_a_model_line_that_has_gone_is_taken_back() -> None:
