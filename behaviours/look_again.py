@@ -26,6 +26,7 @@ from blackboard.parameters import require
 
 SLOW_M = 0.5  # within that of its goal the robot goes slower
 FACED_RAD = 0.1
+MOST_DOUBLINGS = 10
 TURN_GAIN_PER_S = 2.0
 
 
@@ -40,7 +41,9 @@ class LookAgainParams:
     look_s: float = 4.0
     check_s: float = 1.0  # how often the way is looked at on the map
     patience_s: float = 40.0  # for one way: several times what crossing a room takes
-    rest_s: float = 30.0  # before the same task is tried again
+    rest_s: float = (
+        30.0  # before the same task is tried again; twice as long each time: one look more may help, ten will not
+    )
 
     def __post_init__(self) -> None:
         require(0.1 <= self.strength <= 1.0, "strength", self.strength, "[0.1, 1]")
@@ -95,6 +98,7 @@ class LookAgain(Behaviour[LookAgainParams]):
         self._arrived = self._faced = False
         self._checked_s = float("-inf")
         self._rest: dict[str, float] = {}  # by task: not before then
+        self._tries: dict[str, int] = {}
 
     def respond(self, board: Access) -> Response | None:
         pose = _pose(board)
@@ -131,7 +135,8 @@ class LookAgain(Behaviour[LookAgainParams]):
         return None
 
     def _leave(self, task: Entry[ResolutionTask]) -> None:
-        self._rest[str(task.id)] = self._until_s + self.params.rest_s
+        tries = self._tries[str(task.id)] = self._tries.get(str(task.id), 0) + 1
+        self._rest[str(task.id)] = self._until_s + self.params.rest_s * 2 ** min(tries - 1, MOST_DOUBLINGS)
         self._task = None
         self._arrived = self._faced = False
 
@@ -140,6 +145,7 @@ class LookAgain(Behaviour[LookAgainParams]):
         now_s = board.now_s
         tasks = [t for t in board.entries(RESOLUTION_TASK) if t.value.outcome == "open"]
         self._rest = {str(t.id): self._rest[str(t.id)] for t in tasks if str(t.id) in self._rest}
+        self._tries = {name: self._tries[name] for name in self._rest}
         due = [t for t in tasks if t.value.not_before_s <= now_s and self._rest.get(str(t.id), now_s) <= now_s]
         robot = board.newest(ROBOT)
         grid = Grid.from_tiles(e.value for e in board.entries(GRID)) if due and robot is not None else None

@@ -1,5 +1,6 @@
 """What a run knows: its result at the end, and snapshots on the way for the moving picture."""
 
+from collections import Counter
 from dataclasses import replace
 from math import atan2, cos, pi, sin
 
@@ -9,7 +10,17 @@ import numpy.typing as npt
 from blackboard.board import Board
 from blackboard.entry import Entry
 from blackboard.grid import Grid
-from blackboard.kinds import CORNER, CORRECTED_PATH, GRID, LINE, MODEL_LINE, SUPPORTED_POINTS, TARGET, TRAP
+from blackboard.kinds import (
+    CORNER,
+    CORRECTED_PATH,
+    GRID,
+    LINE,
+    MODEL_LINE,
+    RESOLUTION_TASK,
+    SUPPORTED_POINTS,
+    TARGET,
+    TRAP,
+)
 from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.messages.mapping import CorrectedPath
 from blackboard.messages.model import ModelLine
@@ -24,6 +35,7 @@ from blackboard.report.view import known_part
 from blackboard.runner import Run
 
 FRAMES = 60
+OUTCOMES = ("confirmed", "denied", "given up", "open")  # of resolution tasks
 
 
 def gather(run: Run, title: str) -> RunResult:
@@ -49,6 +61,8 @@ def gather(run: Run, title: str) -> RunResult:
         table |= closing(corrected.value)
     symbols = {"corners": len(result.corners), "targets": len(result.targets), "traps": len(run.board.entries(TRAP))}
     table |= {"lines": len(result.lines)} | {name: count for name, count in symbols.items() if count}
+    tasks: Counter[str] = Counter(entry.value.outcome for entry in run.board.entries(RESOLUTION_TASK))
+    table |= {f"tasks_{outcome.replace(' ', '_')}": tasks[outcome] for outcome in OUTCOMES if tasks[outcome]}
     table |= {"posts": run.board.posts}
     table |= pose_table(result.trajectory, result.true_trajectory)
     table |= drawn_lines_table([entry.value for entry in result.lines], run.robot.drawn_lines(), result.points)

@@ -74,7 +74,11 @@ def test_it_goes_there_faces_the_place_and_rests() -> None:
     assert scene.at(4.0, 1.0, 1.95, pi / 2) is not None
     assert scene.at(4.0 + PARAMS.look_s, 1.0, 1.95, pi / 2) is None  # looked long enough
     assert scene.at(20.0, 1.0, 1.95, pi / 2) is None
-    assert scene.at(10.0 + PARAMS.look_s + PARAMS.rest_s, 1.0, 0.5) is not None  # and tries once more later
+    later_s = 10.0 + PARAMS.look_s + PARAMS.rest_s
+    assert scene.at(later_s, 1.0, 1.95, pi / 2) is not None  # and tries once more later
+    assert scene.at(later_s + PARAMS.look_s, 1.0, 1.95, pi / 2) is None
+    assert scene.at(later_s + PARAMS.look_s + 1.5 * PARAMS.rest_s, 1.0, 1.95, pi / 2) is None  # and the less often
+    assert scene.at(later_s + PARAMS.look_s + 2.5 * PARAMS.rest_s, 1.0, 1.95, pi / 2) is not None
 
 
 def test_it_is_silent_where_the_way_is_not_empty_or_the_time_has_not_come() -> None:
