@@ -1,1 +1,1 @@
-"""Holding the robot's pose by matching its newest sonar echoes to a grid of the older ones."""
+"""Holding the robot's pose by matching its newest sonar echoes to patches of a grid of the older ones."""

@@ -6,7 +6,7 @@ would be drawn back to what is mapped. The score's slope and curvature are measu
 it does not curve down (along a corridor) it tells nothing, and the pose stays where odometry put it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from blackboard.grid import Grid
 from blackboard.messages.geometry import Pose
-from knowledge_sources.sonar_matching.forward_model import cover, expect
+from knowledge_sources.sonar_matching.forward_model import expect, inside, known, take
 from knowledge_sources.sonar_matching.params import SonarMatcherParams
 from knowledge_sources.sonar_matching.window import Heard
 
@@ -24,8 +24,12 @@ WIDE = np.array([0.10, 0.10, 0.06])  # m, m, rad: two cells; the same at 1.7 m, 
 NARROW = WIDE / 2.0
 LONGEST_STEP = np.array([0.15, 0.15, 0.08])  # of one iteration: as far as the wide steps were measured
 ITERATIONS = 8
+SETTLING = 3  # iterations over which the common offset follows the pose
+FITS_SIGMAS = 2.0
 SETTLED = np.array([0.005, 0.005, 0.003])
-SLACK_M = 2.0  # no iteration leads further: all longest steps and a stencil
+MARGIN_M = 1.5  # no iteration leads an echo further
+LIKELY_M = 0.25  # an echo off by more has nothing to do with the wall
+SHRINK = 5  # echoes' worth of belief that walls stand in the middle of their bands
 PAIRS = ((0, 1), (0, 2), (1, 2))
 
 
@@ -36,32 +40,40 @@ class Match:
     shift: Floats
     information: Floats
     echoes: int  # that came from known places
+    fitting: float = 1.0  # fraction of them that the grid explains
 
 
 def match(
-    grid: Grid, heard: Heard, map_from_robot: Pose, prior_covariance: Floats, weight: float, params: SonarMatcherParams
+    grid: Grid,
+    heard: Heard,
+    patch_from_robot: Pose,
+    prior_covariance: Floats,
+    weight: float,
+    params: SonarMatcherParams,
 ) -> Match | None:
-    """Return the most probable shift of `map_from_robot`; None where too few echoes come from known places.
+    """Return the most probable shift of `patch_from_robot`; None where too few echoes come from known places.
 
     `prior_covariance` (3, 3) is that of the pose; `weight` says how many of the echoes are news, as a fraction.
     """
+    heard = take(heard, inside(grid, heard, patch_from_robot, MARGIN_M))
+    if len(heard.ranges_m) >= params.least_echoes:
+        heard = take(heard, known(grid, heard, patch_from_robot, params))
     if len(heard.ranges_m) < params.least_echoes:
         return None
-    cover(grid, heard, map_from_robot, params, SLACK_M)
-    pose = np.array([map_from_robot.x_m, map_from_robot.y_m, map_from_robot.heading_rad])
+    pose = np.array([patch_from_robot.x_m, patch_from_robot.y_m, patch_from_robot.heading_rad])
     prior = np.linalg.inv(prior_covariance)
     shift: Floats = np.zeros(3)
     step: Floats = np.zeros(3)
+    behind_m = 0.0
     best, found = -inf, None
     for iteration in range(ITERATIONS):
         widths = WIDE if iteration == 0 else NARROW
-        scores, known = score(grid, heard, pose + shift + stencil(widths), params)
-        if known < params.least_echoes:
-            return found
+        if iteration < SETTLING:
+            behind_m = common_offset(grid, heard, pose + shift, params)
+        scores = score(grid, heard, pose + shift + stencil(widths), behind_m, params)
         if iteration > 0:
-            probability = weight * float(scores.mean()) - 0.5 * float(
-                shift @ prior @ shift
-            )  # rough: the mean is smoother
+            # rough: the mean over the stencil is smoother than the score itself
+            probability = weight * float(scores.mean()) - 0.5 * float(shift @ prior @ shift)
             if probability < best:  # it went too far
                 step = step / 2.0
                 shift = shift - step
@@ -69,13 +81,17 @@ def match(
             best = probability
         slope, curvature = slope_and_curvature(weight * scores, widths)
         information, slope = informative(curvature, slope)
-        if found is not None and bool((np.abs(step) < SETTLED).all()):
-            return Match(shift, information, known)
-        found = Match(shift, information, known)
+        settled = found is not None and bool((np.abs(step) < SETTLED).all())
+        found = Match(shift, information, len(heard.ranges_m))
+        if settled:
+            break
         newton = np.linalg.solve(prior + information, slope - prior @ shift)
         step = np.asarray(newton / max(1.0, float(np.max(np.abs(newton) / LONGEST_STEP))), np.float64)
         shift = shift + step
-    return found
+    if found is None:
+        return None
+    off = expect(grid, heard, (pose + found.shift)[None, :], params)[0] - behind_m
+    return replace(found, fitting=float((np.abs(off) < FITS_SIGMAS * params.sigma_m).mean()))
 
 
 def surprise(found: Match, prior_covariance: Floats) -> float:
@@ -87,17 +103,19 @@ def surprise(found: Match, prior_covariance: Floats) -> float:
     return float(pull @ found.shift + pull @ np.linalg.pinv(found.information, rcond=1e-6, hermitian=True) @ pull)
 
 
-def score(grid: Grid, heard: Heard, poses: Floats, params: SonarMatcherParams) -> tuple[Floats, int]:
-    """Return the score of each of `poses` (m, 3), and how many echoes it counts.
+def common_offset(grid: Grid, heard: Heard, pose: Floats, params: SonarMatcherParams) -> float:
+    """Return by how much the grid's walls lie behind those that are heard, whatever the direction: their bands are not centred."""
+    off = expect(grid, heard, pose[None, :], params)[0]
+    near = off[np.abs(off) < LIKELY_M]
+    return float(np.median(near)) * len(near) / (len(near) + SHRINK) if len(near) else 0.0
 
-    They are those that come from known places as seen from the first pose; the same for all, so that poses compare.
-    """
-    expected = expect(grid, heard, poses, params)
-    off = np.minimum(np.abs(expected.ranges_m - heard.ranges_m), 1e3) / params.sigma_m
+
+def score(grid: Grid, heard: Heard, poses: Floats, behind_m: float, params: SonarMatcherParams) -> Floats:
+    """Return the score of each of `poses` (m, 3), walls taken to lie `behind_m` nearer than in the grid."""
+    off = (expect(grid, heard, poses, params) - behind_m) / params.sigma_m
     floor = params.outlier_fraction
-    each = np.log(floor + (1.0 - floor) * np.exp(-0.5 * off * off))  # (m, n)
-    known = expected.known[0]
-    return each[:, known].sum(axis=1), int(known.sum())
+    total: Floats = np.log(floor + (1.0 - floor) * np.exp(-0.5 * off * off)).sum(axis=1)
+    return total
 
 
 def stencil(widths: Floats) -> Floats:

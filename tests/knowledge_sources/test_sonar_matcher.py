@@ -7,7 +7,7 @@ import pytest
 
 from blackboard.board import Board
 from blackboard.control import Control
-from blackboard.kinds import MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT, SONAR_SCAN
+from blackboard.kinds import MAP_FROM_ODOM, ODOM_FROM_ROBOT, POSE_ESTIMATE, ROBOT, SONAR_SCAN
 from blackboard.messages.geometry import IDENTITY, Pose
 from blackboard.messages.sensing import RobotDescription, SonarScan, SonarSensor
 from blackboard.mission import find_mission, load_mission
@@ -122,32 +122,35 @@ def test_a_robot_that_stands_learns_nothing_new() -> None:
     assert drive.board.newest(MAP_FROM_ODOM) is before
 
 
-def test_a_jump_beyond_its_uncertainty_is_refused_and_said() -> None:
-    sure = SonarMatcherParams(
-        trust_probability=0.9,
-        distance_scale=0.002,
-        turn_scale=0.002,
-        drift_rad_per_m=0.0005,
-        distance_noise_m=0.002,
-        sideways_noise_m=0.002,
-        heading_noise_rad=0.002,
-        turn_noise_rad=0.005,
-    )
-    drive = Drive(sure)
+def test_echoes_that_do_not_fit_the_map_are_refused_and_said_once() -> None:
+    drive = Drive(SonarMatcherParams())
     for _ in range(60):
         drive.scan()
-    drive.told = drive.told @ Pose(x_m=0.0, y_m=0.15, heading_rad=0.0)  # the robot was pushed aside
-    for _ in range(10):
-        drive.scan()
+    for _ in range(20):
+        drive.scan(range_m=0.4)  # as of one who walks beside the robot
     before = drive.board.newest(MAP_FROM_ODOM)
     assert before is not None
     for _ in range(10):
-        drive.scan()
+        drive.scan(range_m=0.4)
     after = drive.board.newest(MAP_FROM_ODOM)
     assert after is not None
     assert after.value == before.value
     assert [said.verdict for said in after.endorsements] == ["against"]
-    assert "jump" in after.endorsements[0].why
+    assert "fit the map" in after.endorsements[0].why
+
+
+def test_each_match_posts_the_pose_and_how_sure_it_is() -> None:
+    drive = Drive(SonarMatcherParams())
+    for _ in range(40):
+        drive.scan()
+    estimate, standing = drive.board.newest(POSE_ESTIMATE), drive.board.newest(MAP_FROM_ODOM)
+    assert estimate is not None
+    assert standing is not None
+    assert estimate.value.map_from_robot.distance_m(standing.value @ drive.told) < 1e-9
+    xx, _, _, yy, _, turn = estimate.value.covariance
+    assert 0.0 < xx < 0.1**2
+    assert 0.0 < yy < 0.1**2
+    assert 0.0 < turn < 0.1**2
 
 
 @pytest.mark.parametrize("mission", ["explore-lab-sonar", "map-recording-sonar"])

@@ -12,7 +12,7 @@ from knowledge_sources.sonar_matching.matcher import Match, informative, match, 
 from knowledge_sources.sonar_matching.params import SonarMatcherParams
 from knowledge_sources.sonar_matching.window import Heard
 
-PARAMS = SonarMatcherParams(wall_behind_m=0.0)
+PARAMS = SonarMatcherParams()
 CELL_M = PARAMS.cell_m
 PRIOR = np.diag([0.1, 0.1, 0.1]) ** 2
 
@@ -20,7 +20,7 @@ PRIOR = np.diag([0.1, 0.1, 0.1]) ** 2
 def room(half_length_m: float, half_width_m: float, wall_m: float = 0.2) -> Grid:
     """Empty within the box, occupied from its walls on, as thick as `wall_m`, unknown behind."""
     grid = Grid(CELL_M)
-    grid.cover(-half_length_m - 1, -half_width_m - 1, half_length_m + 1, half_width_m + 1)
+    grid.cover(-half_length_m - 2, -half_width_m - 2, half_length_m + 2, half_width_m + 2)
     rows, columns = grid.cells.shape
     x = np.abs(grid.x_min_m + (np.arange(columns) + 0.5) * CELL_M)[None, :]
     y = np.abs(grid.y_min_m + (np.arange(rows) + 0.5) * CELL_M)[:, None]
