@@ -20,11 +20,14 @@ def dead_reckon(odometry: Floats, model: OdometryModel) -> Floats:
 def bend(odometry: Floats, at: npt.NDArray[np.intp], keyframes: Floats, model: OdometryModel) -> Floats:
     """Return poses (n, 3) along odometry (n, 3) that pass through `keyframes` (m, 3), keyframe k at reading `at[k]` (rising).
 
-    Between two keyframes the way from the one and the way back from the other are blended by how far the robot had moved.
+    Between two keyframes the way from the one and the way back from the other are blended by how far the robot had moved: a turn
+    counts as much as the way over which the heading gets as unsure.
     """
     smooth = dead_reckon(odometry, model)
     steps = between(smooth[:-1], smooth[1:])
-    motion = np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]) + 0.3 * np.abs(steps[:, 2]))])
+    metres_per_rad = model.sigma_turn_fraction / model.sigma_drift_rad_per_m
+    lengths = np.hypot(steps[:, 0], steps[:, 1]) + metres_per_rad * np.abs(steps[:, 2])
+    motion = np.concatenate([[0.0], np.cumsum(lengths)])
     motion += 1e-9 * np.arange(len(motion))
     after = np.searchsorted(at, np.arange(len(odometry)), side="right")
     first, second = np.maximum(after - 1, 0), np.minimum(after, len(at) - 1)

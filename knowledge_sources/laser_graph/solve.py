@@ -1,4 +1,4 @@
-"""Looks back on a whole drive: closes its loops, solves the graph of poses, settles near scans on each other's lines."""
+"""Looks back on a whole drive: closes its loops and solves the graph of poses."""
 
 import numpy as np
 
@@ -7,7 +7,6 @@ from knowledge_sources.laser_graph.closures import agreeing, candidates, match_a
 from knowledge_sources.laser_graph.cones import Cones
 from knowledge_sources.laser_graph.field import Window
 from knowledge_sources.laser_graph.front_end import Tracker
-from knowledge_sources.laser_graph.multi_view import settle
 from knowledge_sources.laser_graph.odometry_model import fit_odometry
 from knowledge_sources.laser_graph.pose_graph import Edges, solve_graph
 from knowledge_sources.laser_graph.poses import between
@@ -18,7 +17,6 @@ from knowledge_sources.laser_graph.solution import Solution
 ROUNDS = ((4.0, 3.0, 0.5, 2), (3.0, 1.5, 0.3, 2), (3.0, 0.8, 0.2, 1), (3.0, 0.4, 0.1, 1))
 # once closed, a round is left out whose window is so much wider than the round before moved any pose; the last never is
 LEAVE_OUT = 3.0
-SETTLING = ((0.5, 0.3), (0.2, 0.2), (0.1, 0.1))  # reaches of the neighbours, m
 STEP_DOUBT = 10.0  # neighbouring points of a scan err together: a step's information counts by a tenth
 CLOSED_FRACTION = 0.3  # of the candidates agree with their neighbours: then wide searches bring no more
 
@@ -49,13 +47,6 @@ def solve(tracker: Tracker, cones: Cones) -> Solution:
             ),
         )
         moved_m = float(np.hypot(*(poses - before)[:, :2].T).max())
-    model = fit_odometry(pieces, between(poses[:-1], poses[1:]))
-    sigmas = model.sigmas(np.hypot(pieces[:, 0], pieces[:, 1]), np.abs(pieces[:, 2]))
-    odometry = Edges(
-        steps, steps + 1, model.correct(pieces), np.eye(3) / sigmas[:, None, :] ** 2, np.zeros(count - 1, np.bool_)
-    )
-    for reaches_m in SETTLING:
-        poses = settle(tracker.scans, poses, odometry, reaches_m)
     contradicted, seen_again = contradicted_fraction(cones, poses)
     model = fit_odometry(pieces, between(poses[:-1], poses[1:]))
     return Solution(poses, model, found, pairs, seen_again, contradicted)

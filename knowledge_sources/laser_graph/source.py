@@ -11,7 +11,7 @@ Posts         hypotheses/feature/map_from_odom      Pose: at each keyframe, matc
 
 Cones say too little to be matched one by one: with them the pose is odometry's until the end.
 
-Source: scan matching (Olson 2009; Censi 2008), a graph of poses (Grisetti et al. 2010), all scans at once (Lu and Milios 1997).
+Source: scan matching (Olson 2009; Censi 2008), a graph of poses (Grisetti et al. 2010).
 """
 
 from collections.abc import Sequence
