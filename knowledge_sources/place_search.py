@@ -17,11 +17,13 @@ from knowledge_sources.line_finder_params import LineFinderParams
 from knowledge_sources.line_fit import refit
 from knowledge_sources.line_points import order, split_at_breaks
 from knowledge_sources.line_search import Piece, lines_of_echoes, straight_pieces
+from knowledge_sources.place_buckets import Buckets
 from knowledge_sources.place_directions import facing, local_normals
 
-ROUNDS = (
-    20  # of growing: a direction holds for some lengths of the line it was drawn to, so the longest take five or six
-)
+STRIPS = 5.0  # how far beside a line places are counted, in half breadths of it
+SQUARE_M = 0.5
+AHEAD = 2.0  # how far a round of growing looks to either side, in lengths of what it has
+ROUNDS = 20  # of growing; the longest walls take five or six
 
 
 def as_places(points: Array, params: LineFinderParams) -> Echoes:
@@ -42,14 +44,15 @@ def lines_of_places(places: Echoes, largest_gap_m: float, params: LineFinderPara
     """
     found: list[Piece] = []
     free = np.ones(len(places), dtype=bool)
+    buckets = Buckets(places.x_m, places.y_m, max(SQUARE_M, 2.0 * STRIPS * params.fit_distance_m))
     side_m = params.window_m
     while side_m >= 2.0 * params.min_length_m:
         for seed in seeds(places, np.flatnonzero(free), side_m, largest_gap_m, params):
             if np.count_nonzero(free[seed.members]) < max(params.min_support, len(seed.members) / 2):
                 continue
-            members, alpha, rho = grown(places, seed, free, largest_gap_m, params)
+            members, alpha, rho = grown(places, buckets, seed, free, largest_gap_m, params)
             for piece in straight_pieces(places, members, alpha, rho, params):
-                if stands_out(places, piece, params):
+                if stands_out(places, buckets, piece, params):
                     free[piece.members] = False
                     found.append(piece)
         side_m /= 2.0
@@ -84,21 +87,23 @@ def seeds(places: Echoes, among: Index, side_m: float, largest_gap_m: float, par
 
 
 def grown(
-    places: Echoes, seed: Piece, free: Mask, largest_gap_m: float, params: LineFinderParams
+    places: Echoes, buckets: Buckets, seed: Piece, free: Mask, largest_gap_m: float, params: LineFinderParams
 ) -> tuple[Index, float, float]:
     """Return the free places that a piece comes to as it grows along its carrier, and the line (alpha, rho) through them."""
     alpha, rho, start, end = seed.alpha_rad, seed.rho_m, seed.start_m, seed.end_m
     members = seed.members[free[seed.members]]
     for _ in range(ROUNDS):
-        along, out = _along_and_out(places, alpha)
-        near = np.flatnonzero((np.abs(out - rho) <= params.fit_distance_m) & free)
-        turn = np.abs(wrap(2.0 * (places.bearing_rad[near] - alpha))) / 2.0  # undirected
-        near = near[turn <= places.max_incidence_rad[near]]
+        reach_m = AHEAD * (end - start) + largest_gap_m
+        ahead = buckets.along(*_ends(alpha, rho, start - reach_m, end + reach_m))
+        ahead = ahead[free[ahead]]
+        along, out = _along_and_out(places, ahead, alpha)
+        turn = np.abs(wrap(2.0 * (places.bearing_rad[ahead] - alpha))) / 2.0  # undirected
+        near = np.flatnonzero((np.abs(out - rho) <= params.fit_distance_m) & (turn <= places.max_incidence_rad[ahead]))
         pieces = split_at_breaks(along, order(along, near), min(largest_gap_m, params.min_length_m))
         shared = [float(min(along[piece[-1]], end) - max(along[piece[0]], start)) for piece in pieces]
         if max(shared, default=0.0) <= 0.0:
             break
-        longer = joined(along, pieces, int(np.argmax(shared)), largest_gap_m)
+        longer = ahead[joined(along, pieces, int(np.argmax(shared)), largest_gap_m)]
         if len(longer) < params.min_support or np.array_equal(longer, members):
             break
         members = longer
@@ -125,25 +130,33 @@ def joined(along_m: Array, pieces: list[Index], number: int, largest_gap_m: floa
     return np.concatenate(pieces[first : last + 1])
 
 
-def stands_out(places: Echoes, piece: Piece, params: LineFinderParams) -> bool:
+def stands_out(places: Echoes, buckets: Buckets, piece: Piece, params: LineFinderParams) -> bool:
     """Say whether places follow close on each other along most of a piece, and are more than chance strews beside it.
 
     Beside it, on either side in a strip twice as wide as its own; that with fewer counts, for things may stand against a wall.
     """
-    along, out = _along_and_out(places, piece.alpha_rad)
-    own = np.sort(along[piece.members])
+    own = np.sort(_along_and_out(places, piece.members, piece.alpha_rad)[0])
     closed_m = float(np.minimum(np.diff(own), params.close_m).sum())
     if closed_m < params.min_closed_fraction * float(own[-1] - own[0]):
         return False
+    around = buckets.along(*_ends(piece.alpha_rad, piece.rho_m, piece.start_m, piece.end_m))
+    along, out = _along_and_out(places, around, piece.alpha_rad)
     aside = (out[(along >= piece.start_m) & (along <= piece.end_m)] - piece.rho_m) / params.fit_distance_m
-    beside = min(np.count_nonzero((side > 1.0) & (side <= 5.0)) for side in (aside, -aside)) / 2.0
+    beside = min(np.count_nonzero((side > 1.0) & (side <= STRIPS)) for side in (aside, -aside)) / 2.0
     return bool(len(own) > beside + params.chance_sigmas * sqrt(beside))
 
 
-def _along_and_out(places: Echoes, alpha_rad: float) -> tuple[Array, Array]:
-    """Return what `on_wall` does, of places, many times as quickly."""
+def _along_and_out(places: Echoes, members: Index, alpha_rad: float) -> tuple[Array, Array]:
+    """Return what `on_wall` does, of some places, many times as quickly."""
     c, s = cos(alpha_rad), sin(alpha_rad)
-    return places.y_m * c - places.x_m * s, places.x_m * c + places.y_m * s
+    x, y = places.x_m[members], places.y_m[members]
+    return y * c - x * s, x * c + y * s
+
+
+def _ends(alpha_rad: float, rho_m: float, start_m: float, end_m: float) -> tuple[float, float, float, float]:
+    """Return x and y of both ends of a piece of a line."""
+    c, s = cos(alpha_rad), sin(alpha_rad)
+    return rho_m * c - start_m * s, rho_m * s + start_m * c, rho_m * c - end_m * s, rho_m * s + end_m * c
 
 
 def _best_first(piece: Piece) -> tuple[float, ...]:
