@@ -39,6 +39,11 @@ def test_a_room_in_a_text_file(room: Path, tmp_path: Path, capsys: pytest.Captur
     assert "supported_points" in capsys.readouterr().out
 
 
+def test_nothing_moves_in_it(room: Path, tmp_path: Path) -> None:
+    assert main(["lines", str(room), "--out", str(tmp_path / "out"), "--gif", "--duration", "5"]) == 0
+    assert not (tmp_path / "out" / "map.gif").exists()
+
+
 def test_faults_are_one_line(room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = tmp_path / "bad.txt"
     bad.write_text("1 2\nthere\n")

@@ -131,7 +131,7 @@ class FrameCollector:
     def note(self, elapsed_s: float, total_s: float) -> None:
         """Take a snapshot if it is time for one."""
         trajectory = self._run.trajectory()
-        if len(self.frames) > FRAMES * elapsed_s / total_s or not len(trajectory):
+        if len(self.frames) * total_s > FRAMES * elapsed_s or not len(trajectory):
             return
         grid = Grid.from_tiles(entry.value for entry in self._run.board.entries(GRID))
         known = known_part(grid) if grid is not None else None
