@@ -126,13 +126,22 @@ def _observed(matches: Sequence[LineMatch], prior: Array, least_information: flo
     return projection
 
 
-def not_surer_than(after: Array, before: Array, sigma_m: float, sigma_rad: float) -> Array:
+def least_sigmas(matches: Sequence[LineMatch]) -> Array:
+    """Return how sure lines can make a pose at best, (3,) x, y, heading: a line only across itself.
+
+    In a corridor the walls' small uncertainty says nothing of the place along them.
+    """
+    across = np.abs([[sin(match.theta_rad), cos(match.theta_rad)] for match in matches])
+    offsets = np.array([[match.model_sigma_rho_m] for match in matches]) / np.maximum(across, 1e-6)
+    return np.array([*offsets.min(axis=0), min(match.model_sigma_theta_rad for match in matches)])
+
+
+def not_surer_than(after: Array, before: Array, sigmas: Array) -> Array:
     """Return the covariance `after` a correction, no smaller than the lines' own where the pose had not been surer `before`.
 
     A line's error is the same each time that the line is met, and lines first seen from one pose share that pose's error: however
-    often they are seen, they say where the robot is in the map no better than that.
+    often they are seen, they say where the robot is in the map no better than that. `sigmas` are of x, y, heading.
     """
     old, new = np.sqrt(np.diag(before)), np.sqrt(np.diag(after))
-    least = np.minimum(old, np.array([sigma_m, sigma_m, sigma_rad]))
-    stretch = np.maximum(least / new, 1.0)
+    stretch = np.maximum(np.minimum(old, sigmas) / new, 1.0)
     return np.asarray(after * np.outer(stretch, stretch))

@@ -35,7 +35,7 @@ from blackboard.messages.model import LineMatches, PoseConflict, PoseEstimate, R
 from blackboard.parameters import require
 from blackboard.uncertainty.matrices import Array
 from knowledge_sources.odometry_uncertainty import OdometryNoise, carried_on, way_of
-from knowledge_sources.pose_correction import Correction, correct, not_surer_than
+from knowledge_sources.pose_correction import Correction, correct, least_sigmas, not_surer_than
 from knowledge_sources.poses import READS, map_from_robot_at
 
 START_SIGMAS = np.array(
@@ -131,9 +131,7 @@ class ReReferencer(KnowledgeSource[ReReferenceParams]):
             lines=tuple(match.observed for match in used),
         )
         if found.allowed and used:
-            floor_theta = min(match.model_sigma_theta_rad for match in used)
-            floor_rho = min(match.model_sigma_rho_m for match in used)
-            self._covariance = not_surer_than(found.covariance, prior, floor_rho, floor_theta)
+            self._covariance = not_surer_than(found.covariance, prior, least_sigmas(used))
             self._move(trigger, moved(pose, found), supports, board)
         if not found.allowed:
             why = (

@@ -2,6 +2,7 @@
 
 from math import cos, pi, radians, sin
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +13,7 @@ from blackboard.messages.model import LineMatch
 from blackboard.uncertainty.matrices import Array
 from knowledge_sources.line_estimates import LineEstimate, from_ends
 from knowledge_sources.line_match import difference
-from knowledge_sources.pose_correction import Correction, correct, not_surer_than
+from knowledge_sources.pose_correction import Correction, correct, least_sigmas, not_surer_than
 
 SURE = np.diag([1e-6, 1e-6])
 PRIOR = np.diag([0.2**2, 0.2**2, 0.1**2])
@@ -117,7 +118,22 @@ def test_without_matches_nothing_moves() -> None:
 
 
 def test_lines_give_no_more_than_they_inherited() -> None:
-    after = not_surer_than(np.diag([1e-6, 1e-6, 1e-8]), PRIOR, 0.05, radians(1.0))
-    assert np.sqrt(np.diag(after)) == pytest.approx([0.05, 0.05, radians(1.0)])
+    sure = np.diag([1e-6, 1e-6, 1e-8])
+    after = not_surer_than(sure, PRIOR, np.array([0.05, 0.1, radians(1.0)]))
+    assert np.sqrt(np.diag(after)) == pytest.approx([0.05, 0.1, radians(1.0)])
     surer_before = np.diag([0.01**2, 0.01**2, 0.001**2])
-    assert not_surer_than(np.diag([1e-6, 1e-6, 1e-8]), surer_before, 0.05, 0.1) == pytest.approx(surer_before)
+    assert not_surer_than(sure, surer_before, np.array([0.05, 0.05, 0.1])) == pytest.approx(surer_before)
+
+
+def test_a_line_tells_only_of_what_lies_across_it() -> None:
+    corridor = seen_wrongly(wall((0.0, 1.0), (9.0, 1.0)), (4.0, 0.0), (0.0, 0.0), 0.0)  # along x
+    far_end = seen_wrongly(wall((9.0, -1.0), (9.0, 1.0)), (4.0, 0.0), (0.0, 0.0), 0.0)  # along y
+    slant = seen_wrongly(wall((0.0, 0.0), (3.0, 3.0)), (4.0, 0.0), (0.0, 0.0), 0.0)
+    near, known, far = (
+        msgspec.structs.replace(match, model_sigma_rho_m=sigma_m, model_sigma_theta_rad=0.01)
+        for match, sigma_m in ((corridor, 0.02), (slant, 0.1), (far_end, 0.3))
+    )
+    assert least_sigmas([near])[0] > 1000.0
+    assert least_sigmas([near])[1:] == pytest.approx([0.02, 0.01])
+    assert least_sigmas([near, far]) == pytest.approx([0.3, 0.02, 0.01])
+    assert least_sigmas([near, far, known]) == pytest.approx([0.1 * 2**0.5, 0.02, 0.01])
