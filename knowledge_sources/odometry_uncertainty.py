@@ -1,13 +1,12 @@
 """How unsure a pose becomes on the way that odometry tells of.
 
-Errors of wheels are systematic over a short way (a scale, a drift to one side), so that their deviations grow with the way
-between two re-references, not with its root.
+Errors of wheels are systematic (a scale, a drift to one side), so that their deviations grow with the way, not with its root.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from math import cos, hypot, sin, sqrt
+from math import hypot, sqrt
 
 import numpy as np
 
@@ -50,20 +49,33 @@ def way_of(poses: Iterable[Pose]) -> Way:
     return Way(length_m=length, turn_rad=turn, turned_rad=turned)
 
 
-def carried_on(covariance: Array, before: Pose, after: Pose, way: Way, noise: OdometryNoise) -> Array:
-    """Return the covariance (3, 3) at `after` of a pose that had it at `before` (both map_from_robot), F C F' and the way's own.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Unsureness:
+    """Covariance (3, 3) of a pose, and that (3, 3) of its error with what wheels are wrong by: distance, drift, turn.
+
+    What wheels are wrong by stays the same all the time. It is not estimated, only remembered (Schmidt 1966, "Application of
+    state-space methods to navigation problems"): along a corridor, where no line tells, its error adds up over the whole way,
+    however often it is interrupted.
+    """
+
+    pose: Array
+    shared: Array
+
+
+def carried_on(known: Unsureness, before: Pose, after: Pose, way: Way, noise: OdometryNoise) -> Unsureness:
+    """Return how unsure the pose is at `after` that was so unsure at `before` (both map_from_robot).
 
     The way's heading error is taken to have come about evenly: at its middle, on average.
     """
     dx, dy = after.x_m - before.x_m, after.y_m - before.y_m
     move = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
-    systematic = hypot(noise.heading_rad_per_m * way.length_m, noise.heading_fraction * way.turn_rad)
-    heading = hypot(systematic, noise.heading_noise_rad * sqrt(way.turned_rad))
-    lateral = np.array([-dy / 2, dx / 2, 1.0]) * heading
-    length = hypot(dx, dy)
-    c, s = (dx / length, dy / length) if length > 1e-9 else (cos(after.heading_rad), sin(after.heading_rad))
-    forward = np.array([c, s, 0.0]) * noise.distance_fraction * length
-    back_and_forth = max(way.length_m - length, 0.0)  # half of its error remains
+    swing = np.array([-dy / 2, dx / 2, 1.0])
+    grows = np.column_stack([[dx, dy, 0.0], swing * way.length_m, swing * way.turn_rad])
+    errors = np.diag([noise.distance_fraction**2, noise.heading_rad_per_m**2, noise.heading_fraction**2])
+    slip = swing * noise.heading_noise_rad * sqrt(way.turned_rad)
+    back_and_forth = max(way.length_m - hypot(dx, dy), 0.0)  # half of its error remains
     rest = noise.distance_fraction * back_and_forth / 2
-    own = np.outer(lateral, lateral) + np.outer(forward, forward) + np.diag([rest**2, rest**2, 0.0])
-    return np.asarray(move @ covariance @ move.T + own)
+    both = move @ known.shared @ grows.T
+    pose = move @ known.pose @ move.T + both + both.T + grows @ errors @ grows.T
+    pose += np.outer(slip, slip) + np.diag([rest**2, rest**2, 0.0])
+    return Unsureness(pose=(pose + pose.T) / 2, shared=move @ known.shared + grows @ errors)

@@ -27,6 +27,7 @@ class Correction:
     shift_y_m: float
     turn_rad: float
     covariance: Array
+    kept: Array  # (3, 3): what of the error before is left
     used: tuple[int, ...]
     distance: float  # squared normal distance of the jump under the pose's uncertainty before
     bound: float
@@ -70,7 +71,7 @@ def correct(
     """
     used = list(range(len(matches)))
     while True:
-        state, covariance = _solve([matches[i] for i in used], x_m, y_m, prior, least_information)
+        state, covariance, kept = _solve([matches[i] for i in used], x_m, y_m, prior, least_information)
         left = [_left(matches[i], x_m, y_m, state) for i in used]
         if len(used) < 3 or max(left) <= outlier_sigmas**2:
             break
@@ -80,6 +81,7 @@ def correct(
         shift_y_m=float(state[1]),
         turn_rad=float(state[2]),
         covariance=covariance,
+        kept=kept,
         used=tuple(used),
         distance=normal_distance(state, prior),
         bound=chi_square_quantile(confidence, 3),
@@ -95,9 +97,9 @@ def _left(match: LineMatch, x_m: float, y_m: float, state: Array) -> float:
 
 def _solve(
     matches: Sequence[LineMatch], x_m: float, y_m: float, prior: Array, least_information: float
-) -> tuple[Array, Array]:
+) -> tuple[Array, Array, Array]:
     if not matches:
-        return np.zeros(3), prior
+        return np.zeros(3), prior, np.eye(3)
     h = np.vstack([measurement(match, x_m, y_m) for match in matches])
     r = np.zeros((len(h), len(h)))
     for i, match in enumerate(matches):
@@ -109,7 +111,7 @@ def _solve(
     gain[:2] = _observed(matches, prior, least_information) @ gain[:2]
     kept = np.eye(3) - gain @ h
     after = kept @ prior @ kept.T + gain @ r @ gain.T  # holds for any gain
-    return gain @ z, (after + after.T) / 2
+    return gain @ z, (after + after.T) / 2, kept
 
 
 def _observed(matches: Sequence[LineMatch], prior: Array, least_information: float) -> Array:
@@ -136,12 +138,11 @@ def least_sigmas(matches: Sequence[LineMatch]) -> Array:
     return np.array([*offsets.min(axis=0), min(match.model_sigma_theta_rad for match in matches)])
 
 
-def not_surer_than(after: Array, before: Array, sigmas: Array) -> Array:
-    """Return the covariance `after` a correction, no smaller than the lines' own where the pose had not been surer `before`.
+def stretch_to(after: Array, before: Array, sigmas: Array) -> Array:
+    """Return by how much (3,) the deviations `after` a correction must grow where the pose had not been surer `before`.
 
     A line's error is the same each time that the line is met, and lines first seen from one pose share that pose's error: however
     often they are seen, they say where the robot is in the map no better than that. `sigmas` are of x, y, heading.
     """
     old, new = np.sqrt(np.diag(before)), np.sqrt(np.diag(after))
-    stretch = np.maximum(np.minimum(old, sigmas) / new, 1.0)
-    return np.asarray(after * np.outer(stretch, stretch))
+    return np.asarray(np.maximum(np.minimum(old, sigmas) / new, 1.0))

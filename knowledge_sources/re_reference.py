@@ -34,8 +34,8 @@ from blackboard.messages.geometry import IDENTITY, Point, Pose, wrap_angle
 from blackboard.messages.model import LineMatches, PoseConflict, PoseEstimate, ReReference
 from blackboard.parameters import require
 from blackboard.uncertainty.matrices import Array
-from knowledge_sources.odometry_uncertainty import OdometryNoise, carried_on, way_of
-from knowledge_sources.pose_correction import Correction, correct, least_sigmas, not_surer_than
+from knowledge_sources.odometry_uncertainty import OdometryNoise, Unsureness, carried_on, way_of
+from knowledge_sources.pose_correction import Correction, correct, least_sigmas, stretch_to
 from knowledge_sources.poses import READS, map_from_robot_at
 
 START_SIGMAS = np.array(
@@ -82,6 +82,7 @@ class ReReferencer(KnowledgeSource[ReReferenceParams]):
         super().__init__(params, name=name, seed=seed)
         self._pose: Pose | None = None  # map_from_robot at the last batch
         self._covariance = np.diag(START_SIGMAS**2)
+        self._shared = np.zeros((3, 3))
         self._odometry: Entry[Pose] | None = None  # the newest pose that the covariance covers
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
@@ -103,7 +104,8 @@ class ReReferencer(KnowledgeSource[ReReferenceParams]):
         driven = board.revisions(Support(newest.key, 1 if self._odometry is None else first, newest.revision))
         way = way_of(entry.value for entry in driven)
         before = self._pose if self._pose is not None else driven[0].value
-        self._covariance = carried_on(self._covariance, before, pose, way, self.params.noise)
+        known = carried_on(Unsureness(pose=self._covariance, shared=self._shared), before, pose, way, self.params.noise)
+        self._covariance, self._shared = known.pose, known.shared
         self._pose, self._odometry = pose, newest
 
     def _correct(
@@ -131,7 +133,9 @@ class ReReferencer(KnowledgeSource[ReReferenceParams]):
             lines=tuple(match.observed for match in used),
         )
         if found.allowed and used:
-            self._covariance = not_surer_than(found.covariance, prior, least_sigmas(used))
+            stretch = stretch_to(found.covariance, prior, least_sigmas(used))
+            self._covariance = found.covariance * np.outer(stretch, stretch)
+            self._shared = stretch[:, None] * (found.kept @ self._shared)
             self._move(trigger, moved(pose, found), supports, board)
         if not found.allowed:
             why = (

@@ -13,7 +13,7 @@ from blackboard.messages.model import LineMatch
 from blackboard.uncertainty.matrices import Array
 from knowledge_sources.line_estimates import LineEstimate, from_ends
 from knowledge_sources.line_match import difference
-from knowledge_sources.pose_correction import Correction, correct, least_sigmas, not_surer_than
+from knowledge_sources.pose_correction import Correction, correct, least_sigmas, stretch_to
 
 SURE = np.diag([1e-6, 1e-6])
 PRIOR = np.diag([0.2**2, 0.2**2, 0.1**2])
@@ -119,10 +119,11 @@ def test_without_matches_nothing_moves() -> None:
 
 def test_lines_give_no_more_than_they_inherited() -> None:
     sure = np.diag([1e-6, 1e-6, 1e-8])
-    after = not_surer_than(sure, PRIOR, np.array([0.05, 0.1, radians(1.0)]))
-    assert np.sqrt(np.diag(after)) == pytest.approx([0.05, 0.1, radians(1.0)])
+    stretch = stretch_to(sure, PRIOR, np.array([0.05, 0.1, radians(1.0)]))
+    assert stretch == pytest.approx([50.0, 100.0, radians(1.0) * 1e4])
     surer_before = np.diag([0.01**2, 0.01**2, 0.001**2])
-    assert not_surer_than(sure, surer_before, np.array([0.05, 0.05, 0.1])) == pytest.approx(surer_before)
+    assert stretch_to(sure, surer_before, np.array([0.05, 0.05, 0.1])) == pytest.approx([10.0, 10.0, 10.0])
+    assert stretch_to(PRIOR, sure, np.array([0.05, 0.05, 0.1])) == pytest.approx(1.0)
 
 
 def test_a_line_tells_only_of_what_lies_across_it() -> None:
