@@ -2,8 +2,10 @@
 
 import numpy as np
 
-from blackboard.kinds import COMPONENT, MODEL_LINE, POSE_ESTIMATE
+from blackboard.kinds import COMPONENT, MAP_FROM_ODOM, MODEL_LINE, POSE_ESTIMATE
 from blackboard.mission import find_mission, load_mission
+from blackboard.report.pose_log import PoseLog
+from blackboard.report.pose_scores import honesty, path_error
 from blackboard.runner import Run, RunOptions
 
 
@@ -25,3 +27,25 @@ def test_lines_hold_the_pose_in_the_lab() -> None:
     assert len(run.board.entries(MODEL_LINE)) > 5
     assert run.board.newest(POSE_ESTIMATE) is not None
     assert not [e for e in run.board.entries(COMPONENT) if e.value.state == "failed"]
+
+
+def test_one_estimate_of_pose_and_lines_is_nearer_and_honest() -> None:
+    run = Run(load_mission(find_mission("explore-lab-joint")), RunOptions(seed=1, strict=True))
+    log = PoseLog(run)
+    run.run(300.0)
+    truth = run.true_trajectory()
+    assert truth is not None
+    alone, held = path_error(log.odometry(), truth), path_error(run.trajectory(), truth)
+    assert alone is not None
+    assert held is not None
+    assert alone.mean_m > 0.2
+    assert held.mean_m < min(0.3 * alone.mean_m, 0.06)
+    honest = honesty(log.nees(truth))
+    assert honest is not None
+    assert honest.inside_fraction > 0.8
+    lines = run.board.entries(MODEL_LINE)
+    assert len(lines) > 5
+    assert not [e for e in run.board.entries(COMPONENT) if e.value.state == "failed"]
+    moved = run.board.newest(MAP_FROM_ODOM)
+    assert moved is not None
+    assert {"sonar_scan", "model_line"} <= {support.key.split("/")[4] for support in moved.supports}
