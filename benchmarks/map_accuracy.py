@@ -2,10 +2,10 @@
 
 python benchmarks/map_accuracy.py [--seeds N] [--world W] [--robot R]
 
-Three tables: the shipped settings, and the plain scheme of Bou-Ghannam 1992, section 5.2 (cones of 10 m whose arcs are raised
+Four tables: the shipped settings, and the plain scheme of Bou-Ghannam 1992, section 5.2 (cones of 10 m whose arcs are raised
 alike, nothing filtered, lines through the points on the cones' axes), both with exact odometry, so that they show what the map
-builder does; then the shipped settings with the odometry's errors, which nobody corrects yet. What is right,
-`blackboard/report/scores.py` says.
+builder does; then the shipped settings with the odometry's errors, which nobody corrects; then explore-lab-joint, which does. What is
+right, `blackboard/report/scores.py` says.
 """
 
 import argparse
@@ -37,22 +37,22 @@ PLAIN: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def figures(seed: int, settings: Mapping[str, Mapping[str, Any]]) -> list[float]:
-    """Run explore-lab once; return its figures in the order of COLUMNS (0 where there are no lines), and CPU seconds."""
+def figures(seed: int, settings: Mapping[str, Mapping[str, Any]], mission: str) -> list[float]:
+    """Run the mission once; return its figures in the order of COLUMNS (0 where there are no lines), and CPU seconds."""
     started = process_time()
-    run = Run(load_mission(find_mission("explore-lab"), settings), RunOptions(seed=seed, strict=True))
+    run = Run(load_mission(find_mission(mission), settings), RunOptions(seed=seed, strict=True))
     run.run(DURATION_S)
-    table = gather(run, "explore-lab").table
+    table = gather(run, mission).table
     return [float(table.get(key, 0.0)) * factor for key, _, factor in COLUMNS] + [process_time() - started]
 
 
-def show(title: str, seeds: int, settings: Mapping[str, Mapping[str, Any]]) -> None:
+def show(title: str, seeds: int, settings: Mapping[str, Mapping[str, Any]], mission: str = "explore-lab") -> None:
     """Print one table."""
     print(f"\n{title}")
     print("seed  " + "".join(f"{heading:>18}" for _, heading, _ in COLUMNS) + f"{'s CPU':>10}")
     rows = []
     for seed in range(seeds):
-        rows.append(figures(seed, settings))
+        rows.append(figures(seed, settings, mission))
         print(
             f"{seed:4}  " + "".join(f"{figure:18.1f}" for figure in rows[-1][:-1]) + f"{rows[-1][-1]:10.1f}", flush=True
         )
@@ -65,7 +65,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--world", type=Path, default=Path("lab"))
     parser.add_argument("--robot", type=Path, default=Path("k2a"))
-    parser.add_argument("--only", choices=("shipped", "plain", "errors"), help="one of the tables")
+    parser.add_argument("--only", choices=("shipped", "plain", "errors", "joint"), help="one of the tables")
     options = parser.parse_args()
     robot = {"world": str(options.world), "robot": str(options.robot)}
     exact, wrong = {**robot, "odometry_errors": False}, {**robot, "odometry_errors": True}
@@ -75,6 +75,10 @@ def main() -> None:
         show("Plain scheme of the thesis, exact odometry", options.seeds, {"robot": exact, **PLAIN})
     if options.only in (None, "errors"):
         show("Shipped settings, odometry with errors", options.seeds, {"robot": wrong})
+    if options.only in (None, "joint"):
+        show(
+            "Pose and lines in one estimate, odometry with errors", options.seeds, {"robot": wrong}, "explore-lab-joint"
+        )
 
 
 if __name__ == "__main__":

@@ -77,15 +77,19 @@ class LineKeeper:
         if not pairs or pairs[0].distance > bound:
             return None
         pair = pairs[0]
-        self._relocate(state, pair)
+        if pair.to_m - pair.from_m >= self._params.least_m:
+            self._relocate(state, pair)
         state.lines[pair.number] = longer(state.lines[pair.number], pair)
         return state.lines[pair.number].id
 
     def _relocate(self, state: JointState, pair: LinePair) -> None:
-        """Where echoes cannot be told apart any more, the line as a whole says where the robot is."""
+        """Let the line as a whole say where the robot is, and how the known one runs.
+
+        Where echoes can still be told apart they have said most of it already, so that it counts as a quarter of a look.
+        """
         own = pair.h @ state.covariance @ pair.h.T
-        if own[1, 1] > self._params.unsure_m**2 / 4.0:
-            state.update(pair.difference, -pair.h, pair.noise)
+        shares = own[1, 1] <= self._params.unsure_m**2 / 4.0
+        state.update(pair.difference, -pair.h, pair.noise * (4.0 if shares else 1.0))
 
     def _another(self, doubtful: dict[str, Entry[NewAreaVisited]], seen: Observed, state: JointState) -> str | None:
         """Return the id of the line in question that was seen once more."""

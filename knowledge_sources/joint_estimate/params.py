@@ -30,7 +30,9 @@ class JointLinesParams:
     max_range_m: float = 6.0  # further cones cover too much
     incidence_rad: float = radians(35)  # beyond it a wall throws sound away
     end_margin_m: float = 0.15  # so far beyond the end that is known a wall may still echo
-    least_m: float = 0.8  # shorter lines may be round things or corners: they move with the state, and do not move it
+    least_m: float = (
+        1.0  # a shorter line may be furniture or a round thing: it moves with the state, and does not move it
+    )
     gate_sigmas: float = 3.0
     unsure_m: float = 0.15  # an echo that the state cannot foretell better than that says too little of whose it is
     step_m: float = (
