@@ -4,8 +4,8 @@ python benchmarks/map_accuracy.py [--seeds N] [--world W] [--robot R]
 
 Four tables: the shipped settings, and the plain scheme of Bou-Ghannam 1992, section 5.2 (cones of 10 m whose arcs are raised
 alike, nothing filtered, lines through the points on the cones' axes), both with exact odometry, so that they show what the map
-builder does; then the shipped settings with the odometry's errors, which nobody corrects; then explore-lab-joint, which does. What is
-right, `blackboard/report/scores.py` says.
+builder does; then the shipped settings with the odometry's errors, which nobody corrects; then explore-lab-joint, which does.
+What is right, `blackboard/report/scores.py` says.
 """
 
 import argparse
