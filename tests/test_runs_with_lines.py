@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from blackboard.kinds import COMPONENT, MAP_FROM_ODOM, MODEL_LINE, POSE_ESTIMATE
+from blackboard.kinds import COMPONENT, MODEL_LINE, POSE_ESTIMATE, RE_REFERENCE
 from blackboard.mission import find_mission, load_mission
 from blackboard.report.pose_log import PoseLog
 from blackboard.report.pose_scores import honesty, path_error
@@ -46,6 +46,6 @@ def test_one_estimate_of_pose_and_lines_is_nearer_and_honest() -> None:
     lines = run.board.entries(MODEL_LINE)
     assert len(lines) > 5
     assert not [e for e in run.board.entries(COMPONENT) if e.value.state == "failed"]
-    moved = run.board.newest(MAP_FROM_ODOM)
+    moved = run.board.newest(RE_REFERENCE)
     assert moved is not None
     assert {"sonar_scan", "model_line"} <= {support.key.split("/")[4] for support in moved.supports}
