@@ -69,7 +69,7 @@ CHAINS = (
         "+ corners", "map-recording-lines", added=("knowledge_sources.corners:Corners",)
     ),
     Chain("grid matcher", "map-recording-sonar"),
-    Chain("pose and lines in one estimate", "map-recording-joint"),
+    Chain("pose and lines in one estimate", "map-recording-joint", ("joint_lines.latency_s=0",)),  # the rest of it
 )
 
 

@@ -18,7 +18,8 @@ class JointLinesParams:
     distance_scale_sigma: float = 0.03  # tyres, load
     turn_scale_sigma: float = 0.02  # width of the wheelbase
     drift_sigma_rad_per_m: float = 0.005  # wheels of unequal size: 3 degrees in 10 m
-    latency_sigma_s: float = 0.1  # of sonar stamps; 0 where they are known to be right
+    latency_s: float = 0.05  # of sonar stamps: a ring takes part of a second to fire, and a stamp is never early
+    latency_sigma_s: float = 0.05  # 0 where the latency is known
     # what changes from metre to metre
     distance_noise_m: float = 0.01  # for each root of a metre
     heading_noise_rad: float = 0.005  # for each root of a metre
@@ -66,6 +67,7 @@ class JointLinesParams:
             "distance_scale_sigma",
             "turn_scale_sigma",
             "drift_sigma_rad_per_m",
+            "latency_s",
             "latency_sigma_s",
             "distance_noise_m",
             "heading_noise_rad",

@@ -47,7 +47,7 @@ class JointState:
 
     def __init__(self, pose: Pose, params: JointLinesParams) -> None:
         self.mean: Array = np.zeros(LINES)
-        self.mean[:LATENCY] = [pose.x_m, pose.y_m, pose.heading_rad, 0.0, 0.0, 0.0]
+        self.mean[: LATENCY + 1] = [pose.x_m, pose.y_m, pose.heading_rad, 0.0, 0.0, 0.0, params.latency_s]
         errors = (
             params.distance_scale_sigma,
             params.turn_scale_sigma,

@@ -15,6 +15,7 @@ from knowledge_sources.joint_estimate.state import (
     DISTANCE_SCALE,
     DRIFT,
     HEADING,
+    LATENCY,
     LINES,
     TURN_SCALE,
     JointState,
@@ -73,6 +74,12 @@ def test_driving_carries_errors_as_it_carries_the_pose(
     state.drive(step)
     f = np.column_stack([(driven(1e-6 * e) - driven(-1e-6 * e)) / 2e-6 for e in np.eye(6)])
     assert state.pose_covariance == pytest.approx((f @ before @ f.T), rel=1e-4, abs=1e-12)
+
+
+def test_sonars_are_taken_to_be_a_little_late_until_echoes_say_better() -> None:
+    state = JointState(START, PARAMS)
+    assert state.mean[LATENCY] == pytest.approx(0.05)
+    assert state.covariance[LATENCY, LATENCY] == pytest.approx(0.05**2)
 
 
 def test_an_update_is_the_kalman_equation() -> None:
