@@ -46,6 +46,8 @@ from blackboard.kinds import (
 from blackboard.messages.geometry import IDENTITY, Point, Pose, wrap_angle
 from blackboard.messages.model import PoseConflict, PoseEstimate, ReReference
 from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan
+from blackboard.uncertainty.chi_square import chi_square_quantile
+from blackboard.uncertainty.normal_distance import normal_distance
 from knowledge_sources.joint_estimate.association import Paired, associate, consistent
 from knowledge_sources.joint_estimate.echo_model import Cones
 from knowledge_sources.joint_estimate.line_keeping import LineKeeper
@@ -88,9 +90,19 @@ class JointLines(KnowledgeSource[JointLinesParams]):
         elif self._state is not None:
             lines = [entry for id_ in trigger.value.lines if (entry := board.newest(LINE, id_)) is not None]
             seen = [observed_line(entry, board, self.params.floor) for entry in lines]
-            before = self._state.pose
+            before, prior = self._state.pose, self._state.pose_covariance
             self._keeper.take_in(self._state, seen, trigger, board)
             if self._state.pose != before:
+                change = np.array(_change(before, self._state.pose))
+                distance, bound = (
+                    normal_distance(change, prior),
+                    chi_square_quantile(self.params.confidence, len(change)),
+                )
+                self._stamp_s = max(self._stamp_s, trigger.stamp_s)
+                value = _re_reference(
+                    trigger.value.batch, before, self._state.pose, distance, bound, trigger.value.lines
+                )
+                board.post(RE_REFERENCE, value, supports=[trigger, *lines], stamp_s=self._stamp_s)
                 self._move(self._state, [trigger, *lines], board)
 
     def _hear(self, trigger: Entry[Any], board: Access) -> None:
@@ -136,22 +148,11 @@ class JointLines(KnowledgeSource[JointLinesParams]):
         board: Access,
     ) -> None:
         before, applied = state.pose, distance <= bound
-        shift_x = shift_y = turn = 0.0
         if applied:
-            change = state.update(paired.difference_m, paired.h, np.diag(paired.noise))
-            shift_x, shift_y, turn = change[:3].tolist()
+            state.update(paired.difference_m, paired.h, np.diag(paired.noise))
         self._stamp_s = max(self._stamp_s, trigger.stamp_s)
-        lines = [state.lines[i].id for i in sorted(set(paired.line.tolist()))]
-        value = ReReference(
-            batch=trigger.revision,
-            applied=applied,
-            centre=Point(x_m=before.x_m, y_m=before.y_m),
-            shift=Point(x_m=shift_x, y_m=shift_y),
-            turn_rad=turn,
-            normal_distance=distance,
-            bound=bound,
-            lines=tuple(lines),
-        )
+        lines = tuple(state.lines[i].id for i in sorted(set(paired.line.tolist())))
+        value = _re_reference(trigger.revision, before, state.pose, distance, bound, lines, applied=applied)
         known = [entry for id_ in lines if (entry := board.newest(MODEL_LINE, id_)) is not None]
         board.post(RE_REFERENCE, value, supports=[trigger, *supports, *known], stamp_s=self._stamp_s)
         if applied:
@@ -169,7 +170,6 @@ class JointLines(KnowledgeSource[JointLinesParams]):
         )
 
     def _move(self, state: JointState, supports: list[Entry[Any]], board: Access) -> None:
-        self._stamp_s = max(self._stamp_s, supports[0].stamp_s)
         map_from_odom = state.pose @ self._odometry.inverse()
         board.post(MAP_FROM_ODOM, map_from_odom, supports=supports, stamp_s=self._stamp_s)
 
@@ -223,6 +223,34 @@ class JointLines(KnowledgeSource[JointLinesParams]):
         if moved:
             self._counted_at[sensor] = pose
         return moved
+
+
+def _change(before: Pose, after: Pose) -> tuple[float, float, float]:
+    return after.x_m - before.x_m, after.y_m - before.y_m, wrap_angle(after.heading_rad - before.heading_rad)
+
+
+def _re_reference(
+    batch: int,
+    before: Pose,
+    after: Pose,
+    distance: float,
+    bound: float,
+    lines: tuple[str, ...],
+    *,
+    applied: bool = True,
+) -> ReReference:
+    """Return how far a correction moved the pose; `batch` is the scan's revision, or the batch of a set of lines."""
+    x_m, y_m, turn_rad = _change(before, after)
+    return ReReference(
+        batch=batch,
+        applied=applied,
+        centre=Point(x_m=before.x_m, y_m=before.y_m),
+        shift=Point(x_m=x_m, y_m=y_m),
+        turn_rad=turn_rad,
+        normal_distance=distance,
+        bound=bound,
+        lines=lines,
+    )
 
 
 def _apart(a: Pose, b: Pose, step_m: float, step_rad: float) -> bool:

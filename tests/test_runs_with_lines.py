@@ -2,7 +2,10 @@
 
 import numpy as np
 
-from blackboard.kinds import COMPONENT, MODEL_LINE, POSE_ESTIMATE, RE_REFERENCE
+from blackboard.entry import Entry
+from blackboard.kinds import COMPONENT, MAP_FROM_ODOM, MODEL_LINE, POSE_ESTIMATE, RE_REFERENCE
+from blackboard.messages.geometry import Pose
+from blackboard.messages.model import ReReference
 from blackboard.mission import find_mission, load_mission
 from blackboard.report.pose_log import PoseLog
 from blackboard.report.pose_scores import honesty, path_error
@@ -32,6 +35,10 @@ def test_lines_hold_the_pose_in_the_lab() -> None:
 def test_one_estimate_of_pose_and_lines_is_nearer_and_honest() -> None:
     run = Run(load_mission(find_mission("explore-lab-joint")), RunOptions(seed=1, strict=True))
     log = PoseLog(run)
+    moves: list[Entry[Pose]] = []
+    sizes_told: list[Entry[ReReference]] = []
+    run.board.subscribe(run.board.key(MAP_FROM_ODOM), moves.append)
+    run.board.subscribe(run.board.key(RE_REFERENCE), sizes_told.append)
     run.run(300.0)
     truth = run.true_trajectory()
     assert truth is not None
@@ -46,6 +53,9 @@ def test_one_estimate_of_pose_and_lines_is_nearer_and_honest() -> None:
     lines = run.board.entries(MODEL_LINE)
     assert len(lines) > 5
     assert not [e for e in run.board.entries(COMPONENT) if e.value.state == "failed"]
-    moved = run.board.newest(RE_REFERENCE)
-    assert moved is not None
-    assert {"sonar_scan", "model_line"} <= {support.key.split("/")[4] for support in moved.supports}
+    assert len(moves) > 100
+    stand_on = [[support.key.split("/")[4] for support in entry.supports] for entry in moves[1:]]
+    assert {kinds[0] for kinds in stand_on} == {"sonar_scan", "line_set"}
+    assert all("model_line" in kinds for kinds in stand_on if kinds[0] == "sonar_scan")
+    sizes = {entry.supports for entry in sizes_told if entry.value.applied}
+    assert all(entry.supports in sizes for entry in moves[1:])  # each move of the odometry frame with its size
