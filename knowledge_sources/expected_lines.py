@@ -14,12 +14,12 @@ from blackboard.access import Access
 from blackboard.component import KnowledgeSource, Trigger
 from blackboard.entry import Entry
 from blackboard.kinds import EXPECTED_LINES, MODEL_LINE, NEW_AREA_VISITED, ODOM_FROM_ROBOT
-from blackboard.messages.geometry import Pose, wrap_angle
+from blackboard.messages.geometry import Pose
 from blackboard.messages.model import ExpectedLines
 from blackboard.parameters import require
 from knowledge_sources.line_estimates import from_model_line
 from knowledge_sources.lines_in_view import ViewLimits, lines_in_view
-from knowledge_sources.poses import READS, map_from_robot_at
+from knowledge_sources.poses import READS, map_from_robot_at, moved_on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,12 +72,7 @@ class ExpectedLinesSource(KnowledgeSource[ExpectedLinesParams]):
         board.post(EXPECTED_LINES, value, supports=[*supports, *seen, *seen_new], stamp_s=trigger.stamp_s)
 
     def _has_moved(self, entry: Entry[Pose]) -> bool:
-        last = self._looked_from
-        return (
-            last is None
-            or entry.value.distance_m(last) >= self.params.step_m
-            or abs(wrap_angle(entry.value.heading_rad - last.heading_rad)) >= self.params.turn_rad
-        )
+        return moved_on(self._looked_from, entry.value, self.params.step_m, self.params.turn_rad)
 
 
 def _ids(entries: list[Entry[Any]]) -> tuple[str, ...]:

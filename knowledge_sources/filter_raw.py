@@ -18,11 +18,11 @@ from blackboard.component import KnowledgeSource
 from blackboard.entry import Entry
 from blackboard.grid import EMPTY_MAX, Grid
 from blackboard.kinds import GRID, LASER_SCAN, ROBOT, SONAR_SCAN, SUPPORTED_POINTS
-from blackboard.messages.geometry import Pose, pack_array, wrap_angle
+from blackboard.messages.geometry import Pose, pack_array
 from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan
 from blackboard.messages.world import PointSet
 from blackboard.parameters import require
-from knowledge_sources.poses import READS, map_from_robot_at
+from knowledge_sources.poses import READS, map_from_robot_at, moved_on
 from knowledge_sources.sensors import laser_of, sonar_of
 from knowledge_sources.stretches import Stretches
 
@@ -142,12 +142,8 @@ class FilterRaw(KnowledgeSource[FilterRawParams]):
         return [point for point, counts in zip(points, moved, strict=True) if counts and point is not None]
 
     def _moved(self, sensor: tuple[str, int], pose: Pose) -> bool:
-        last, params = self._counted_at.get(sensor), self.params
-        moved = (
-            last is None
-            or pose.distance_m(last) >= params.min_step_m
-            or abs(wrap_angle(pose.heading_rad - last.heading_rad)) >= params.min_turn_rad
-        )
+        params = self.params
+        moved = moved_on(self._counted_at.get(sensor), pose, params.min_step_m, params.min_turn_rad)
         if moved:
             self._counted_at[sensor] = pose
         return moved

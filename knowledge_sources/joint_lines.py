@@ -55,7 +55,7 @@ from knowledge_sources.joint_estimate.params import JointLinesParams
 from knowledge_sources.joint_estimate.state import LATENCY, JointState
 from knowledge_sources.joint_estimate.window import Look, Window
 from knowledge_sources.observed_lines import observed_line
-from knowledge_sources.poses import odom_from_robot_at
+from knowledge_sources.poses import moved_on, odom_from_robot_at
 from knowledge_sources.re_reference import upper
 from knowledge_sources.sensors import laser_of, sonar_of
 
@@ -129,10 +129,8 @@ class JointLines(KnowledgeSource[JointLinesParams]):
                 paired, distance, bound = consistent(state, paired, self.params.confidence)
                 if len(paired.cone):
                     self._correct(state, paired, distance, bound, trigger, supports, board)
-            last = self._remembered_at
-            if len(ranges) and (
-                last is None or _apart(last, odometry, self.params.remember_m, self.params.remember_rad)
-            ):
+            params = self.params
+            if len(ranges) and moved_on(self._remembered_at, odometry, params.remember_m, params.remember_rad):
                 self._remembered_at = odometry
                 self._window.add(state, Look(cones=cones, ranges_m=ranges, motion=motion, open=unexplained))
         self._post_estimate(state, trigger, supports, board)
@@ -218,8 +216,7 @@ class JointLines(KnowledgeSource[JointLinesParams]):
         return cones, columns[4]
 
     def _moved(self, sensor: tuple[str, int], pose: Pose) -> bool:
-        last = self._counted_at.get(sensor)
-        moved = last is None or _apart(last, pose, self.params.step_m, self.params.step_rad)
+        moved = moved_on(self._counted_at.get(sensor), pose, self.params.step_m, self.params.step_rad)
         if moved:
             self._counted_at[sensor] = pose
         return moved
@@ -251,7 +248,3 @@ def _re_reference(
         bound=bound,
         lines=lines,
     )
-
-
-def _apart(a: Pose, b: Pose, step_m: float, step_rad: float) -> bool:
-    return a.distance_m(b) >= step_m or abs(wrap_angle(b.heading_rad - a.heading_rad)) >= step_rad

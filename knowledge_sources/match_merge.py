@@ -52,7 +52,6 @@ class Batch:
 
     number: int
     observed: tuple[Observed, ...]
-    matches: Entry[LineMatches]
 
 
 class MatchMerge(KnowledgeSource[MatchMergeParams]):
@@ -93,8 +92,8 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
         found = match_lines(observed, model, at, pose, self.params.limits)
         value = LineMatches(batch=trigger.value.batch, matches=found)
         supports: list[Entry[Any]] = [trigger, *lines]
-        posted = board.post(LINE_MATCHES, value, supports=supports, stamp_s=trigger.stamp_s)
-        self._batch = Batch(number=trigger.value.batch, observed=observed, matches=posted)
+        board.post(LINE_MATCHES, value, supports=supports, stamp_s=trigger.stamp_s)
+        self._batch = Batch(number=trigger.value.batch, observed=observed)
 
     def _merge(self, correction: ReReference | None, trigger: Entry[Any], board: Access) -> None:
         batch, self._batch = self._batch, None

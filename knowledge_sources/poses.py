@@ -7,7 +7,7 @@ Reads  observations/feature/odom_from_robot    Pose
 from blackboard.access import Access
 from blackboard.entry import Entry
 from blackboard.kinds import MAP_FROM_ODOM, ODOM_FROM_ROBOT
-from blackboard.messages.geometry import IDENTITY, Pose, interpolate
+from blackboard.messages.geometry import IDENTITY, Pose, interpolate, wrap_angle
 
 READS = (ODOM_FROM_ROBOT, MAP_FROM_ODOM)
 LONGEST_GAP_S = 2.0  # between two poses that are interpolated: a robot may do anything in a longer one
@@ -50,3 +50,12 @@ def odom_from_robot_at(board: Access, stamp_s: float) -> tuple[Pose, tuple[Entry
         return before.value, (before,)
     fraction = (stamp_s - earlier.stamp_s) / (before.stamp_s - earlier.stamp_s)
     return interpolate(earlier.value, before.value, fraction), (earlier, before)
+
+
+def moved_on(last: Pose | None, pose: Pose, step_m: float, turn_rad: float) -> bool:
+    """Say whether a pose lies a step or a turn away from the last one that counted; the first counts."""
+    return (
+        last is None
+        or pose.distance_m(last) >= step_m
+        or abs(wrap_angle(pose.heading_rad - last.heading_rad)) >= turn_rad
+    )

@@ -10,7 +10,7 @@ from blackboard.entry import Entry
 from blackboard.kinds import MAP_FROM_ODOM, ODOM_FROM_ROBOT
 from blackboard.messages.geometry import Pose
 from blackboard.vocabulary import Vocabulary
-from knowledge_sources.poses import LONGEST_GAP_S, LONGEST_REACH_S, READS, map_from_robot_at
+from knowledge_sources.poses import LONGEST_GAP_S, LONGEST_REACH_S, READS, map_from_robot_at, moved_on
 
 
 def board_with(*poses: tuple[float, float, float]) -> tuple[Board, Access]:
@@ -84,3 +84,11 @@ def test_the_newest_correction_applies() -> None:
     pose, supports = found(access, 1.0)
     assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((1.0, 2.0, pi / 2))
     assert [e.key.rsplit("/", 1)[1] for e in supports] == ["odom_from_robot", "map_from_odom"]
+
+
+def test_a_pose_counts_after_a_step_or_a_turn() -> None:
+    last = Pose(x_m=1.0, y_m=0.0, heading_rad=3.1)
+    assert moved_on(None, last, 0.1, 0.1)
+    assert not moved_on(last, Pose(x_m=1.09, y_m=0.0, heading_rad=-3.1), 0.1, 0.1)  # 0.083 rad across the half turn
+    assert moved_on(last, Pose(x_m=1.0, y_m=0.1, heading_rad=3.1), 0.1, 0.1)
+    assert moved_on(last, Pose(x_m=1.0, y_m=0.0, heading_rad=2.99), 0.1, 0.1)
