@@ -8,7 +8,7 @@ Source: Bou-Ghannam 1992, section 3.3: such a line is of an area not modelled ye
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import hypot
 from typing import Any, TypeVar
 
@@ -45,6 +45,11 @@ class QuestionParams:
         require(self.elsewhere_m >= 0.0, "elsewhere_m", self.elsewhere_m, "0 and more")
         for name in ("least_views", "misses", "misses_of_new"):
             require(getattr(self, name) >= 1, name, getattr(self, name), "1 and more")
+
+    @classmethod
+    def of(cls, params: object) -> "QuestionParams":
+        """Return those of a component that has fields of these names among its own."""
+        return cls(**{field.name: getattr(params, field.name) for field in fields(cls)})
 
 
 class LinesInQuestion:

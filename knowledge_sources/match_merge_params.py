@@ -30,13 +30,6 @@ class MatchMergeParams:
     def __post_init__(self) -> None:
         require(0.0 < self.theta_floor_rad <= 1.0, "theta_floor_rad", self.theta_floor_rad, "(0, 1]")
         require(0.0 < self.rho_floor_m <= 1.0, "rho_floor_m", self.rho_floor_m, "(0, 1] metres")
-        question = QuestionParams(
-            elsewhere_m=self.elsewhere_m,
-            least_views=self.least_views,
-            misses=self.misses,
-            misses_of_new=self.misses_of_new,
-            theory=self.theory,
-        )
-        object.__setattr__(self, "question", question)
+        object.__setattr__(self, "question", QuestionParams.of(self))
         object.__setattr__(self, "limits", MatchLimits(k=self.k, gap_m=self.gap_m))
         object.__setattr__(self, "floor", NoiseFloor(theta_rad=self.theta_floor_rad, rho_m=self.rho_floor_m))

@@ -94,14 +94,7 @@ class JointLinesParams:
         for name in ("confidence", "match_confidence"):
             require(0.5 <= getattr(self, name) < 1.0, name, getattr(self, name), "[0.5, 1)")
         require(1 <= self.beams <= 10_000, "beams", self.beams, "[1, 10000]")
-        question = QuestionParams(
-            elsewhere_m=self.elsewhere_m,
-            least_views=self.least_views,
-            misses=self.misses,
-            misses_of_new=self.misses_of_new,
-            theory=self.theory,
-        )
-        object.__setattr__(self, "question", question)
+        object.__setattr__(self, "question", QuestionParams.of(self))
         require(0.0 < self.max_range_m <= 1000.0, "max_range_m", self.max_range_m, "(0, 1000] metres")
         require(0.0 <= self.incidence_rad < 1.5, "incidence_rad", self.incidence_rad, "[0, 1.5)")
         require(0.0 < self.gate_sigmas <= 10.0, "gate_sigmas", self.gate_sigmas, "(0, 10]")
