@@ -22,7 +22,7 @@ from blackboard.messages.geometry import Point, Pose
 from blackboard.messages.symbols import Trap
 from blackboard.parameters import require
 from knowledge_sources.poses import READS, map_from_robot_at
-from knowledge_sources.standing_hypotheses import Found, Reason, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Episodes, Found, Reason
 
 Place = tuple[int, int]
 WHY = "the same places again, and the grid shows nothing new"
@@ -122,9 +122,7 @@ class CyclingTrap(KnowledgeSource[CyclingTrapParams]):
         self.triggers = (Trigger(kind=ODOM_FROM_ROBOT, min_interval_s=params.interval_s),)
         self._wayfarer: Wayfarer | None = None
         self._decided: dict[str, tuple[int, float]] = {}  # by tile: revision, square metres decided
-        self._standing = StandingHypotheses(TRAP, lambda a, b: False)
-        self._number = 0
-        self._trapped = False
+        self._episodes = Episodes(TRAP, "cycling")
 
     def activate(self, trigger: Entry[Pose], board: Access) -> None:
         robot, found = board.newest(ROBOT), map_from_robot_at(board, trigger.stamp_s)
@@ -134,11 +132,8 @@ class CyclingTrap(KnowledgeSource[CyclingTrapParams]):
             self._wayfarer = Wayfarer(self.params, self.params.place_radii * robot.value.radius_m)
         pose, supports = found
         trap = self._wayfarer.note(Look(trigger.stamp_s, pose.x_m, pose.y_m, self._decided_m2(board)))
-        if trap is not None and not self._trapped:
-            self._number += 1
-        self._trapped = trap is not None
-        kept = {} if trap is None else {f"cycling-{self._number}": Found(trap, supports, [Reason(WHY)])}
-        self._standing.keep(board, kept, lambda _: "the robot came to new places, or the map grew")
+        kept = None if trap is None else Found(trap, supports, [Reason(WHY)])
+        self._episodes.keep(board, kept, "the robot came to new places, or the map grew")
 
     def _decided_m2(self, board: Access) -> float:
         for entry in board.entries(GRID):

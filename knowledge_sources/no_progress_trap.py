@@ -23,7 +23,7 @@ from blackboard.messages.geometry import Point, Pose
 from blackboard.messages.symbols import Trap
 from blackboard.parameters import require
 from knowledge_sources.poses import READS, map_from_robot_at
-from knowledge_sources.standing_hypotheses import Found, Reason, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Episodes, Found, Reason
 
 WHY = "it is told to drive and stays there"
 
@@ -84,9 +84,7 @@ class NoProgressTrap(KnowledgeSource[NoProgressTrapParams]):
         super().__init__(params, name=name, seed=seed)
         self.triggers = (Trigger(kind=ODOM_FROM_ROBOT, min_interval_s=params.interval_s),)
         self._moments: deque[Moment] = deque()
-        self._standing = StandingHypotheses(TRAP, lambda a, b: False)
-        self._number = 0
-        self._trapped = False
+        self._episodes = Episodes(TRAP, "no_progress")
 
     def activate(self, trigger: Entry[Pose], board: Access) -> None:
         robot, found = board.newest(ROBOT), map_from_robot_at(board, trigger.stamp_s)
@@ -100,9 +98,6 @@ class NoProgressTrap(KnowledgeSource[NoProgressTrapParams]):
         while trigger.stamp_s - self._moments[0].stamp_s > self.params.window_s:
             self._moments.popleft()
         trap = no_progress(self._moments, robot.value.radius_m, self.params)
-        if trap is not None and not self._trapped:
-            self._number += 1
-        self._trapped = trap is not None
         stands_on: list[Entry[Any]] = [*supports, *([velocity] if velocity is not None else [])]
-        kept = {} if trap is None else {f"no_progress-{self._number}": Found(trap, stands_on, [Reason(WHY)])}
-        self._standing.keep(board, kept, lambda _: "the robot got on, or was told to stop")
+        kept = None if trap is None else Found(trap, stands_on, [Reason(WHY)])
+        self._episodes.keep(board, kept, "the robot got on, or was told to stop")

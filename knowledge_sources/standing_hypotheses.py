@@ -67,6 +67,23 @@ class StandingHypotheses(Generic[M]):
             self._kept[id_] = None
 
 
+class Episodes(Generic[M]):
+    """A hypothesis of which one holds at a time or none: each time that it comes to hold again it is another, `<name>-<number>`."""
+
+    def __init__(self, kind: Kind[M], name: str) -> None:
+        self._standing = StandingHypotheses(kind, lambda a, b: False)  # within an episode the first value stays
+        self._name = name
+        self._number = 0
+        self._holds = False
+
+    def keep(self, board: Access, found: Found[M] | None, gone: str) -> None:
+        """Post the hypothesis where it has come to hold; where it holds no more, retract it for the reason `gone`."""
+        if found is not None and not self._holds:
+            self._number += 1
+        self._holds = found is not None
+        self._standing.keep(board, {} if found is None else {f"{self._name}-{self._number}": found}, lambda _: gone)
+
+
 def give(board: Access, entry: Entry[M], reasons: Sequence[Reason]) -> Entry[M]:
     """Make what this source says of a hypothesis just these reasons: said where they are new, withdrawn where they hold no more."""
     said = {e.about: e for e in standing(entry.endorsements) if e.who == board.name}
