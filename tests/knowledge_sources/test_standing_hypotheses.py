@@ -10,7 +10,7 @@ from blackboard.messages.geometry import Point
 from blackboard.messages.symbols import Trap
 from blackboard.uncertainty.theories import THEORIES, Theory
 from blackboard.vocabulary import Vocabulary
-from knowledge_sources.standing_hypotheses import Found, Names, Reason, StandingHypotheses
+from knowledge_sources.standing_hypotheses import Episodes, Found, Names, Reason, StandingHypotheses
 from knowledge_sources.verdicts import Verdicts
 
 
@@ -38,6 +38,17 @@ def test_posted_revised_when_it_differs_denied_when_gone() -> None:
     kept.keep(access, {"a": Found(trap(3.0), (), [Reason("so")])}, lambda t: "gone")
     (entry,) = board.entries(TRAP)
     assert [e.why for e in entry.endorsements] == ["so"]  # a new life
+
+
+def test_what_comes_to_hold_again_is_another() -> None:
+    board = Board(Vocabulary())
+    access = Access(board, "me", (), (TRAP,))
+    episodes: Episodes[Trap] = Episodes(TRAP, "cycling")
+    stood = []
+    for size_m in (None, 1.0, 2.0, None, 3.0):
+        episodes.keep(access, None if size_m is None else Found(trap(size_m), (), [Reason("so")]), "new places")
+        stood.append([(entry.id, entry.value.size_m) for entry in board.entries(TRAP)])
+    assert stood == [[], [("cycling-1", 1.0)], [("cycling-1", 1.0)], [], [("cycling-2", 3.0)]]
 
 
 @pytest.mark.parametrize("theory", THEORIES)
