@@ -1,0 +1,1 @@
+"""Engines that run rule programs: experta by default, CLIPS itself where it is installed."""

@@ -1,0 +1,100 @@
+"""What an engine is: working memory, agenda and the firing of rules, the same for experta and for CLIPS.
+
+Semantics are those of CLIPS 6.42 with the depth strategy: activations by salience, the newest first, then in the order of the
+rules' definition. A fact that stands already is not asserted again.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from rules.language.syntax import Program
+from rules.language.values import FactValue, Value
+
+External = Callable[..., Value | None]  # called with the values of its arguments; None returns nil
+
+FIRINGS_LIMIT = 10_000  # of one `run`
+
+
+@dataclass(frozen=True, slots=True)
+class Activation:
+    """A rule and the facts that match its conditions: their indices, None for a condition that matches no one fact."""
+
+    rule: str
+    facts: tuple[int | None, ...]
+    salience: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class FactChange:
+    """A fact that a firing asserted or retracted."""
+
+    index: int
+    fact: FactValue
+    asserted: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Firing:
+    """A rule that has fired, what it changed in working memory, and what it printed. `error`: what its actions raised."""
+
+    activation: Activation
+    changes: tuple[FactChange, ...] = ()
+    printed: str = ""
+    error: str | None = None
+
+
+class Engine(ABC):
+    """Runs one program. Raises RuleError (rules.language.errors) where the program cannot be compiled."""
+
+    def __init__(self, program: Program, externals: Mapping[str, External] | None = None) -> None:
+        self.program = program
+        self.externals = dict(externals or {})
+
+    @abstractmethod
+    def reset(self) -> None:
+        """Empty working memory, set the globals anew, and assert the deffacts."""
+
+    @abstractmethod
+    def assert_fact(self, fact: FactValue) -> int | None:
+        """Put a fact into working memory and return its index; None where the same stands already."""
+
+    @abstractmethod
+    def retract(self, index: int) -> None:
+        """Take a fact out of working memory; KeyError where there is none of this index."""
+
+    @abstractmethod
+    def facts(self) -> Mapping[int, FactValue]:
+        """Return what stands in working memory by index, in the order of assertion."""
+
+    @abstractmethod
+    def agenda(self) -> Sequence[Activation]:
+        """Return the activations that wait, the next to fire first."""
+
+    @abstractmethod
+    def fire(self, activation: Activation | None = None) -> Firing | None:
+        """Fire the next activation, or this one of the agenda; None where nothing waits or a rule said halt.
+
+        What an action raises ends this firing, and is told in its `error`; nothing else is lost.
+        """
+
+    @property
+    @abstractmethod
+    def halted(self) -> bool:
+        """Say whether a rule called `halt`; `resume` takes it back."""
+
+    @abstractmethod
+    def resume(self) -> None:
+        """Let rules fire again after a halt."""
+
+    @abstractmethod
+    def globals(self) -> Mapping[str, Value]:
+        """Return the globals' values by name."""
+
+    @abstractmethod
+    def set_global(self, name: str, value: Value) -> None:
+        """Set a global; KeyError where the program has none of this name."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of what the engine holds outside Python."""
