@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import pi
 
 from blackboard.access import Access
-from blackboard.component import Behaviour
+from blackboard.component import Behaviour, Progress
 from blackboard.kinds import ODOMETRY
 from blackboard.messages.geometry import wrap_angle
 from blackboard.messages.motion import Response
@@ -64,6 +64,12 @@ class Curiosity(Behaviour[CuriosityParams]):
     def __init__(self, params: CuriosityParams, *, name: str, seed: int = 0) -> None:
         super().__init__(params, name=name, seed=seed)
         self._spin = Spin()
+
+    def select(self, parameters: tuple[float | str, ...]) -> None:
+        self._spin = Spin()
+
+    def progress(self) -> Progress:
+        return Progress("reached" if self._spin.done else "underway")
 
     def respond(self, board: Access) -> Response | None:
         odometry = board.newest(ODOMETRY)

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import atan2, cos, hypot, pi
 
+from blackboard.access import Access
 from blackboard.component import Coordinator
 from blackboard.messages.motion import Response, Velocity
 from blackboard.messages.sensing import RobotDescription
@@ -97,6 +98,6 @@ class Superposition(Coordinator[SuperpositionParams]):
         super().__init__(params, name=name, seed=seed)
         self._last_turn = 0
 
-    def combine(self, responses: Mapping[str, Response], robot: RobotDescription, now_s: float) -> Velocity:
-        self._last_turn, velocity = superposition_velocity(responses, robot, now_s, self._last_turn, self.params)
+    def combine(self, responses: Mapping[str, Response], robot: RobotDescription, board: Access) -> Velocity:
+        self._last_turn, velocity = superposition_velocity(responses, robot, board.now_s, self._last_turn, self.params)
         return velocity

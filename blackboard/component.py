@@ -8,7 +8,7 @@ import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,7 @@ from blackboard.messages.sensing import RobotDescription
 
 if TYPE_CHECKING:
     from blackboard.access import Access
+    from blackboard.vocabulary import Vocabulary
 
 P = TypeVar("P")
 M = TypeVar("M", bound=Message)
@@ -83,12 +84,40 @@ class KnowledgeSource(Component[P], ABC):
         """Post what is still held back, at the end of a run."""
 
 
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How a behaviour fares with what it was asked for: `remaining_m` is how far it still has to go, where that means something."""
+
+    outcome: Literal["none", "underway", "reached", "blocked"] = "none"
+    remaining_m: float | None = None
+    detail: str = ""
+
+
 class Behaviour(Component[P], ABC):
-    """Answers the newest readings with a response, every control cycle."""
+    """Answers the newest readings with a response, every control cycle, while it is selected.
+
+    A reflexive behaviour is selected from the start, a `motivated` one when a motivation asks for it; the mission file may say
+    otherwise (`selected = ...`). `parameters` names what its motivation must give, in order; those after the first
+    `optional` may be left out from the right.
+    """
+
+    motivated: ClassVar[bool] = False
+    parameters: ClassVar[tuple[str, ...]] = ()
+    optional: ClassVar[int] = 0  # so many of the last parameters may be left out
 
     @abstractmethod
     def respond(self, board: "Access") -> Response | None:
         """Return the response to the newest readings; None: nothing to say. What is read becomes the response's supports."""
+
+    def select(self, parameters: tuple[float | str, ...]) -> None:
+        """Begin anew, asked by a motivation with these parameters. Raises MissionError where they cannot be used."""
+
+    def deselect(self) -> None:
+        """Stop: another motivation said so."""
+
+    def progress(self) -> Progress:
+        """Say how it fares, after each answer."""
+        return Progress()
 
     def done(self) -> bool:
         """Say whether the behaviour has reached its end and will not answer again unless selected anew."""
@@ -98,9 +127,49 @@ class Behaviour(Component[P], ABC):
 class Coordinator(Component[P], ABC):
     """Turns the behaviours' responses into one wanted velocity."""
 
+    def switched(self, behaviour: str, response: Response, board: "Access") -> Response | None:
+        """Return what of a behaviour's response goes on; None: nothing, and it inhibits nobody."""
+        return response
+
     @abstractmethod
-    def combine(self, responses: Mapping[str, Response], robot: RobotDescription, now_s: float) -> Velocity:
-        """Return the wanted velocity. `responses` holds those that are neither silent nor inhibited, by behaviour."""
+    def combine(self, responses: Mapping[str, Response], robot: RobotDescription, board: "Access") -> Velocity:
+        """Return the wanted velocity. `responses` holds what `switched` let through of those not inhibited, by behaviour."""
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a planner may act on: behaviours with the names of their parameters (and how many are optional), levels of the
+    arbitration network, knowledge sources.
+    """
+
+    behaviours: Mapping[str, tuple[tuple[str, ...], int]]
+    levels: Sequence[str]
+    sources: Mapping[str, float]  # with their ratings
+    vocabulary: "Vocabulary"
+
+
+class Planner(Component[P], ABC):
+    """Decides: looks at what stands on the board and sets motivations. It may read every kind.
+
+    `note` hears of every post; `decide` is called once a cycle, after the knowledge sources.
+    """
+
+    posts: Sequence[Kind[Any]] = ()  # may be set in __init__
+
+    @abstractmethod
+    def start(self, parts: Parts) -> None:
+        """Get ready, before the first cycle. Raises a SkiError where it asks for what is not there."""
+
+    @abstractmethod
+    def note(self, entry: Entry[Any]) -> None:
+        """Take note of a post."""
+
+    @abstractmethod
+    def decide(self, board: "Access") -> None:
+        """Look at what changed, and act."""
+
+    def close(self) -> None:
+        """Let go of what it holds."""
 
 
 class SafetyLayer(Component[P], ABC):

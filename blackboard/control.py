@@ -4,6 +4,7 @@ When a trigger's condition holds, an activation record goes on the agenda. Each 
 highest rating, oldest first among equals, until the cycle's budget of work is spent; the rest waits. In lock-step the budget is
 declared work units, so that the same posts give the same order of activations everywhere.
 
+Reads  control/focus/<name>    another rating, or that the source is to rest: set by rules
 Posts  control/agenda             what waits, when that changes
        control/activation/<name>  the newest activation of each source
        control/activation_time/<name>  measured seconds, not recorded
@@ -21,9 +22,9 @@ from blackboard.board import Board
 from blackboard.component import KnowledgeSource, Trigger
 from blackboard.entry import Entry
 from blackboard.errors import ComponentFailed, SkiError
-from blackboard.kinds import ACTIVATION, ACTIVATION_TIME, AGENDA, COMPONENT, Kind
+from blackboard.kinds import ACTIVATION, ACTIVATION_TIME, AGENDA, COMPONENT, FOCUS, Kind
 from blackboard.messages.base import Message
-from blackboard.messages.control import Activation, ActivationTime, Agenda, ComponentStatus, Waiting
+from blackboard.messages.control import Activation, ActivationTime, Agenda, ComponentStatus, Focus, Waiting
 from blackboard.parameters import require
 
 M = TypeVar("M", bound=Message)
@@ -76,6 +77,8 @@ class _Source:
         self.access = Access(board, source.name, [*kinds, *source.reads], source.posts)
         self.records: deque[tuple[int, Entry[Any]]] = deque()  # (order of arrival, trigger)
         self.enabled = True
+        self.rating = source.rating
+        self.resting = False
         self.activations = 0
         self.seconds = 0.0
         self.longest_s = 0.0
@@ -104,7 +107,10 @@ class Control:
         self._arrivals = 0
         self._dropped = 0
         self._shown: Agenda | None = None
+        self._by_name: dict[str, _Source] = {}
+        board.subscribe(f"ski/{board.robot}/{FOCUS.path}/*", self._focus)
         for held in self._sources:
+            self._by_name[held.source.name] = held
             for trigger in held.triggers:
                 expression = f"ski/{board.robot}/{trigger.kind.path}" + ("/*" if trigger.kind.collection else "")
                 board.subscribe(expression, self._noting(held, _Condition(trigger)))
@@ -137,9 +143,19 @@ class Control:
                 return
             self._run(self.params.work_per_cycle)
 
+    def _focus(self, entry: Entry[Focus]) -> None:
+        """Do what a rule says of a source's rating; one that rests forgets what waited for it."""
+        held = self._by_name.get(entry.id or "")
+        if held is None or entry.event == "retracted":
+            return
+        held.rating = entry.value.rating
+        held.resting = not entry.value.enabled
+        if held.resting:
+            held.records.clear()
+
     def _noting(self, held: _Source, condition: _Condition[Any]) -> Callable[[Entry[Any]], None]:
         def note(entry: Entry[Any]) -> None:
-            if held.enabled and entry.event != "retracted" and self._holds(held, condition, entry):
+            if held.enabled and not held.resting and entry.event != "retracted" and self._holds(held, condition, entry):
                 self._arrivals += 1
                 held.records.append((self._arrivals, entry))
                 if len(held.records) > self.params.agenda_limit:
@@ -174,8 +190,8 @@ class Control:
 
     @staticmethod
     def _precedes(a: _Source, b: _Source) -> bool:
-        if a.source.rating != b.source.rating:
-            return a.source.rating > b.source.rating
+        if a.rating != b.rating:
+            return a.rating > b.rating
         return a.records[0][0] < b.records[0][0]
 
     def _activate(self, held: _Source, trigger: Entry[Any]) -> None:
@@ -190,7 +206,7 @@ class Control:
             source=source.name,
             trigger_key=trigger.key,
             trigger_revision=trigger.revision,
-            rating=source.rating,
+            rating=held.rating,
             work=source.work,
             outcome="done" if ok else "failed",
         )
@@ -217,12 +233,12 @@ class Control:
         waiting = [held for held in self._sources if held.records]
         if not waiting and self._shown is not None and not self._shown.waiting and self._shown.dropped == self._dropped:
             return
-        waiting.sort(key=lambda held: (-held.source.rating, held.records[0][0]))
+        waiting.sort(key=lambda held: (-held.rating, held.records[0][0]))
         agenda = Agenda(
             waiting=tuple(
                 Waiting(
                     source=held.source.name,
-                    rating=held.source.rating,
+                    rating=held.rating,
                     records=len(held.records),
                     trigger_key=held.records[0][1].key,
                 )

@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 from blackboard.errors import BoardError
 from blackboard.key_expressions import is_chunk
-from blackboard.messages import conflicts, control, mapping, model, motion, sensing, symbols, world
+from blackboard.messages import conflicts, control, mapping, model, motion, routes, sensing, symbols, world
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
 
@@ -96,13 +96,22 @@ TRAP = collection("hypotheses/symbol/trap", symbols.Trap, "where reflexes alone 
 CHANGE = collection("hypotheses/symbol/change", conflicts.Change, "where the map and what is seen differ")
 TWO_PART_OBJECT = collection("hypotheses/symbol/two_part_object", conflicts.TwoPartObject, "a body and its part", shared=True)
 VERDICT = collection("hypotheses/symbol/verdict", conflicts.Verdict, "what the reasons for a hypothesis amount to", shared=True)
+ROUTE = slot("hypotheses/feature/route", routes.Route, "the way to where path-following goes")
+TRAVEL = collection("hypotheses/feature/travel", routes.Travel, "how far it is to each target")
+MOTIVATION = collection("motivations/motivation", motion.Motivation, "what a behaviour is asked to do", shared=True)
 RESOLUTION_TASK = collection("motivations/resolution_task", conflicts.ResolutionTask, "what to do about a doubt")
 ROBOT = slot("status/robot", sensing.RobotDescription, "body and sensors of the robot")
+MISSION = slot("status/mission", motion.MissionStatus, "how the mission stands; the run ends once it is not underway")
 COMPONENT = collection("status/component", control.ComponentStatus, "whether a component works", shared=True)
 BEHAVIOUR = collection("status/behaviour", motion.BehaviourStatus, "where a behaviour stands", shared=True)
 RESPONSE = collection("commands/response", motion.Response, "a behaviour's answer to the newest readings", shared=True)
 VELOCITY = slot("commands/velocity", motion.Velocity, "what the coordinator wants")
 DRIVE = slot("commands/drive", motion.Drive, "what goes to the wheels")
+SWITCH = collection("control/switch", motion.Switch, "gain and threshold of a behaviour or level", shared=True)
+FOCUS = collection("control/focus", control.Focus, "ratings of knowledge sources, as rules set them", shared=True)
+RULES = slot("control/rules", control.RuleFiles, "the rule files in force")
+FIRING = collection("control/firing", control.Firing, "the newest firing of each rule")
+FACT = collection("control/fact", control.Fact, "facts that rules asserted, id <index>")
 AGENDA = slot("control/agenda", control.Agenda, "activation records that wait")
 ACTIVATION = collection("control/activation", control.Activation, "the newest activation of each knowledge source")
 ACTIVATION_TIME = collection("control/activation_time", control.ActivationTime, "measured times", recorded=False)

@@ -3,11 +3,11 @@
 import importlib.resources
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from blackboard.component import Behaviour, Component, Coordinator, KnowledgeSource, Robot, SafetyLayer
+from blackboard.component import Behaviour, Component, Coordinator, KnowledgeSource, Planner, Robot, SafetyLayer
 from blackboard.control import ControlParams
 from blackboard.errors import MissionError, did_you_mean
 from blackboard.history import HistoryParams
@@ -16,6 +16,7 @@ from blackboard.loading import component_name, load_class
 from blackboard.parameters import parse_parameters, require
 from blackboard.toml_file import Place, TomlFile, read_toml
 
+PLANNER = "rules.planning:PlanningModule"
 SAFETY = "behaviours.safety:ReflexSafety"  # always there: a mission may set its parameters, never leave it out
 
 
@@ -32,6 +33,23 @@ class MissionParams:
         require(0.001 <= self.step_s <= 10, "step_s", self.step_s, "[0.001, 10] seconds")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wiring:
+    """How a behaviour is wired into the arbitration: what it silences while it answers, whether it is selected at the start
+    (None: as its class says), its competence level, and its switch there.
+    """
+
+    inhibits: tuple[str, ...] = ()
+    selected: bool | None = None
+    level: str = ""
+    gain: float = 1.0
+    threshold: float = 0.0
+
+    def __post_init__(self) -> None:
+        require(0.0 <= self.gain <= 100.0, "gain", self.gain, "[0, 100]")
+        require(0.0 <= self.threshold <= 1000.0, "threshold", self.threshold, "[0, 1000]")
+
+
 @dataclass(frozen=True)
 class Spec:
     """A component as its mission describes it: class, name, parameters, and what the mission says about it."""
@@ -41,7 +59,7 @@ class Spec:
     params: Any
     place: Place
     rating: float | None = None
-    inhibits: tuple[str, ...] = ()
+    wiring: "Wiring" = field(default_factory=lambda: Wiring())
 
     def build(self, seed: int) -> Any:
         """Construct the component with random numbers of its own."""
@@ -59,12 +77,13 @@ class Mission:
     knowledge_sources: tuple[Spec, ...] = ()
     behaviours: tuple[Spec, ...] = ()
     coordinator: Spec | None = None
+    rules: Spec | None = None
     safety: Spec | None = None
     control: ControlParams = field(default_factory=ControlParams)
     history: HistoryParams = field(default_factory=HistoryParams)
 
 
-TABLES = ("mission", "robot", "knowledge_source", "behaviour", "coordinator", "safety", "control", "history")
+TABLES = ("mission", "robot", "knowledge_source", "behaviour", "coordinator", "rules", "safety", "control", "history")
 
 
 def shipped_missions() -> dict[str, Path]:
@@ -125,7 +144,8 @@ def load_mission(path: Path, settings: Mapping[str, Mapping[str, Any]] | None = 
         knowledge_sources=reader.components("knowledge_source", KnowledgeSource),
         behaviours=reader.components("behaviour", Behaviour),
         coordinator=reader.component("coordinator", Coordinator),
-        safety=reader.component("safety", SafetyLayer, default_use=SAFETY),
+        rules=reader.component("rules", Planner, default_use=PLANNER),
+        safety=reader.component("safety", SafetyLayer, only_use=SAFETY),
         control=parse_parameters(ControlParams, reader.table("control"), file.place("control")),
         history=parse_parameters(HistoryParams, reader.table("history"), file.place("history")),
     )
@@ -149,12 +169,21 @@ class _Reader:
         return {**found, **self._settings.get(name, {})}
 
     def component(
-        self, table: str, base: type[Component[Any]], *, default_name: str | None = None, default_use: str | None = None
+        self,
+        table: str,
+        base: type[Component[Any]],
+        *,
+        default_name: str | None = None,
+        default_use: str | None = None,
+        only_use: str | None = None,
     ) -> Spec | None:
-        if table not in self._file.data and default_use is None:
+        """Read a table's component: None where there is no table, but for what `only_use` says is always there."""
+        if table not in self._file.data and only_use is None:
             return None
         raw = self.table(table)
-        if default_use is not None and raw.setdefault("use", default_use) != default_use:
+        if default_use is not None:
+            raw.setdefault("use", default_use)
+        if only_use is not None and raw.setdefault("use", only_use) != only_use:
             raise MissionError(f"{self._file.place(table).at('use')}: the safety layer cannot be replaced; drop 'use'")
         self._names.append(table)
         return self._spec(raw, base, self._file.place(table), default_name or table)
@@ -190,11 +219,15 @@ class _Reader:
         rating = raw.pop("rating", None) if issubclass(found, KnowledgeSource) else None
         if rating is not None and (isinstance(rating, bool) or not isinstance(rating, int | float)):
             raise MissionError(f"{place.at('rating')}: rating = {rating!r} must be a number")
-        inhibits = raw.pop("inhibits", []) if issubclass(found, Behaviour) else []
-        if not isinstance(inhibits, list) or not all(isinstance(i, str) for i in inhibits):
-            raise MissionError(f"{place.at('inhibits')}: inhibits = {inhibits!r} must be a list of behaviours' names")
+        wiring = _wiring(raw, place) if issubclass(found, Behaviour) else Wiring()
         params = parse_parameters(found.Params, raw, place, self._file.path.parent)
-        return Spec(found, name, params, place, rating, tuple(inhibits))
+        return Spec(found, name, params, place, rating, wiring)
+
+
+def _wiring(raw: dict[str, Any], place: Place) -> Wiring:
+    """Take a behaviour's wiring out of its table."""
+    names = [f.name for f in fields(Wiring)]
+    return parse_parameters(Wiring, {name: raw.pop(name) for name in names if name in raw}, place)
 
 
 def _check_names(mission: Mission) -> None:
@@ -205,7 +238,7 @@ def _check_names(mission: Mission) -> None:
         seen[spec.name] = spec
     order = [spec.name for spec in mission.behaviours]
     for place, spec in enumerate(mission.behaviours):
-        for other in spec.inhibits:
+        for other in spec.wiring.inhibits:
             if other not in order:
                 raise MissionError(
                     f"{spec.place.at('inhibits')}: there is no behaviour '{other}'{did_you_mean(other, order)}"
@@ -214,6 +247,12 @@ def _check_names(mission: Mission) -> None:
                 raise MissionError(
                     f"{spec.place.at('inhibits')}: '{spec.name}' must stand before '{other}', which it inhibits; move it up"
                 )
+    for spec in mission.behaviours:
+        level = spec.wiring.level
+        if level and (level in seen or not is_chunk(level)):
+            raise MissionError(
+                f"{spec.place.at('level')}: level = '{level}' must be letters, digits, '_', '-', and no component's name"
+            )
     if mission.behaviours and mission.coordinator is None:
         raise MissionError(
             f"{mission.path}: behaviours need a [coordinator]; add use = 'behaviours.superposition:Superposition'"

@@ -4,33 +4,84 @@ Behaviours answer in the mission's order; one that answers silences those it inh
 wanted velocity; the safety layer turns that into what may go to the wheels. A behaviour that raises is left out from then
 on; without a coordinator or safety layer the robot stands still.
 
-Posts  commands/response/<behaviour>, commands/velocity, commands/drive, status/behaviour/<behaviour>
+A behaviour answers while it is selected; a motivation selects and deselects it, and its status acknowledges that.
+
+Reads  motivations/motivation/<behaviour>
+Posts  control/switch/<behaviour or level>, once, where the coordinator reads switches
+       commands/response/<behaviour>, commands/velocity, commands/drive, status/behaviour/<behaviour>
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec.structs import replace
 
 from blackboard.access import Access
 from blackboard.board import Board
-from blackboard.component import Behaviour, Coordinator, SafetyLayer
+from blackboard.component import Behaviour, Coordinator, Progress, SafetyLayer
 from blackboard.control import report_failure
 from blackboard.entry import Entry, Support
-from blackboard.kinds import BEHAVIOUR, DRIVE, RESPONSE, VELOCITY
-from blackboard.messages.motion import BehaviourStatus, Drive, Response, Velocity
+from blackboard.errors import SkiError
+from blackboard.kinds import BEHAVIOUR, DRIVE, MOTIVATION, RESPONSE, SWITCH, VELOCITY
+from blackboard.messages.motion import BehaviourStatus, Drive, Motivation, Response, Switch, Velocity
 from blackboard.messages.sensing import RobotDescription
+from blackboard.mission import Wiring
 
+PROGRESS_STEP_M = 0.25  # how far a behaviour has to go is told in such steps: its status is news, not a stream
 STOP = Drive(forward_mps=0.0, turn_radps=0.0, limited_by="no command")
 
 
-@dataclass
 class _Held:
-    behaviour: Behaviour[Any]
-    access: Access
-    inhibits: tuple[str, ...]
-    state: str = ""
-    failed: bool = False
-    answering: bool = field(default=False)
+    """A behaviour with its wiring and its standing."""
+
+    def __init__(self, board: Board, behaviour: Behaviour[Any], wiring: Wiring) -> None:
+        self.behaviour = behaviour
+        self.access = Access(board, behaviour.name, (MOTIVATION, *behaviour.reads), (RESPONSE,))
+        self.inhibits = wiring.inhibits
+        self.wiring = wiring
+        self.selected = wiring.selected if wiring.selected is not None else not behaviour.motivated
+        self.asked: Entry[Motivation] | None = None  # the newest motivation
+        self.taken_up = 0
+        self.failed = False
+        self.answering = False
+        self.refused = ""
+        self.shown: BehaviourStatus | None = None
+
+    def take_up(self) -> None:
+        """Do what the newest motivation says, if it is new."""
+        if self.asked is None or self.asked.value.number == self.taken_up:
+            return
+        motivation = self.asked.value
+        self.taken_up, self.refused = motivation.number, ""
+        if motivation.on:
+            try:
+                self.behaviour.select(motivation.parameters)
+            except SkiError as error:
+                self.refused = str(error)
+        elif self.selected:
+            self.behaviour.deselect()
+        self.selected = motivation.on and not self.refused
+
+    def status(self, inhibited: bool) -> BehaviourStatus:
+        """Return where it stands."""
+        progress = self.behaviour.progress() if self.selected and not self.failed else Progress()
+        if self.failed:
+            state = "failed"
+        elif self.selected and self.behaviour.done():
+            state = "done"
+        elif inhibited:
+            state = "inhibited"
+        else:
+            state = "active" if self.answering else "idle"
+        remaining_m = progress.remaining_m
+        return BehaviourStatus(
+            state=state,  # type: ignore[arg-type]
+            selected=self.selected,
+            acknowledged=self.taken_up,
+            outcome="blocked" if self.refused else progress.outcome,
+            remaining_m=None if remaining_m is None else round(remaining_m / PROGRESS_STEP_M) * PROGRESS_STEP_M,
+            detail=(self.refused or progress.detail)[:4000],
+        )
 
 
 class Reflexes:
@@ -39,7 +90,7 @@ class Reflexes:
     def __init__(
         self,
         board: Board,
-        behaviours: Sequence[tuple[Behaviour[Any], tuple[str, ...]]],
+        behaviours: Sequence[tuple[Behaviour[Any], Wiring]],
         coordinator: Coordinator[Any] | None,
         safety: SafetyLayer[Any],
         robot: RobotDescription,
@@ -50,15 +101,39 @@ class Reflexes:
         self._strict = strict
         self._robot = robot
         self._coordinator = coordinator
+        self._coordinator_access = Access(board, coordinator.name, coordinator.reads, ()) if coordinator else None
         self._safety: SafetyLayer[Any] | None = safety
         self._safety_access = Access(board, safety.name, safety.reads, ())
-        self._held = [_Held(b, Access(board, b.name, b.reads, (RESPONSE,)), inhibits) for b, inhibits in behaviours]
+        self._held = [_Held(board, b, wiring) for b, wiring in behaviours]
+        self._by_name = {held.behaviour.name: held for held in self._held}
+        self._wired = False
+        board.subscribe(f"ski/{board.robot}/{MOTIVATION.path}/*", self._note)
 
     def respond(self) -> Drive:
         """Run one control cycle and return what goes to the wheels."""
+        if not self._wired:
+            self._wire()
         responses = self._responses()
         wanted = self._combine(responses)
         return self._limit(wanted)
+
+    def _note(self, entry: Entry[Motivation]) -> None:
+        held = self._by_name.get(entry.id or "")
+        if held is not None:
+            held.asked = None if entry.event == "retracted" else entry
+
+    def _wire(self) -> None:
+        """Put the switches of the arbitration on the board, as the mission file wires them."""
+        self._wired = True
+        if self._coordinator is None or SWITCH not in self._coordinator.reads:
+            return
+        name = self._coordinator.name
+        for held in self._held:
+            wiring = held.wiring
+            switch = Switch(gain=wiring.gain, threshold=wiring.threshold, level=wiring.level)
+            self._board.post(SWITCH, switch, id=held.behaviour.name, source=name)
+        for level in dict.fromkeys(held.wiring.level for held in self._held if held.wiring.level):
+            self._board.post(SWITCH, Switch(), id=level, source=name)
 
     def _responses(self) -> dict[str, Entry[Response]]:
         inhibited: set[str] = set()
@@ -68,7 +143,11 @@ class Reflexes:
             answer: Response | None = None
             if held.failed:
                 continue
-            if name not in inhibited and not held.behaviour.done():
+            if held.asked is not None and held.asked.value.number != held.taken_up:
+                held.take_up()
+            if held.selected and name not in inhibited and not held.behaviour.done():
+                if held.asked is not None:
+                    held.access.newest(MOTIVATION, name)  # what it answers to
                 try:
                     answer = held.behaviour.respond(held.access)
                 except Exception as error:
@@ -77,40 +156,54 @@ class Reflexes:
             seen = held.access.take_seen()
             if answer is not None:
                 supports = tuple(entry.as_support() for entry in seen)
-                responses[name] = self._board.post(RESPONSE, answer, id=name, source=name, supports=supports)
-                inhibited.update(held.inhibits)
+                entry = self._board.post(RESPONSE, answer, id=name, source=name, supports=supports)
+                passed = self._switched(name, answer)
+                if passed is not None:
+                    responses[name] = entry if passed is answer else replace(entry, value=passed)
+                    inhibited.update(held.inhibits)
             elif held.answering:
                 self._board.retract(RESPONSE, name, source=name)
             held.answering = answer is not None
-            self._show(held, name in inhibited and answer is None)
+            self._show(held, name in inhibited and answer is None and held.selected)
         return responses
 
+    def _switched(self, name: str, answer: Response) -> Response | None:
+        if self._coordinator is None or self._coordinator_access is None:
+            return answer
+        try:
+            return self._coordinator.switched(name, answer, self._coordinator_access)
+        except Exception as error:
+            self._lose_coordinator(error)
+            return None
+
     def _show(self, held: _Held, inhibited: bool) -> None:
-        if held.failed:
-            state = "failed"
-        elif held.behaviour.done():
-            state = "done"
-        elif inhibited:
-            state = "inhibited"
-        else:
-            state = "active" if held.answering else "idle"
-        if state != held.state:
-            held.state = state
-            status = BehaviourStatus(state=state)  # type: ignore[arg-type]
+        try:
+            status = held.status(inhibited)
+        except Exception as error:
+            held.failed = True
+            report_failure(self._board, held.behaviour.name, error, None, strict=self._strict)
+            status = held.status(inhibited)
+        if status != held.shown:
+            held.shown = status
             self._board.post(BEHAVIOUR, status, id=held.behaviour.name, source=held.behaviour.name)
 
     def _combine(self, responses: dict[str, Entry[Response]]) -> Entry[Velocity] | None:
-        if self._coordinator is None or not responses:
+        if self._coordinator is None or self._coordinator_access is None or not responses:
             return None
         values = {name: entry.value for name, entry in responses.items()}
         try:
-            wanted = self._coordinator.combine(values, self._robot, self._board.now_s)
-            supports = tuple(entry.as_support() for entry in responses.values())
+            wanted = self._coordinator.combine(values, self._robot, self._coordinator_access)
+            seen = self._coordinator_access.take_seen()
+            supports = tuple(entry.as_support() for entry in (*responses.values(), *seen))
             return self._board.post(VELOCITY, wanted, source=self._coordinator.name, supports=supports)
         except Exception as error:
+            self._lose_coordinator(error)
+            return None
+
+    def _lose_coordinator(self, error: Exception) -> None:
+        if self._coordinator is not None:
             name, self._coordinator = self._coordinator.name, None
             report_failure(self._board, name, error, None, strict=self._strict)
-            return None
 
     def _limit(self, wanted: Entry[Velocity] | None) -> Drive:
         drive, supports = STOP, list[Support]()

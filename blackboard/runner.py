@@ -1,7 +1,7 @@
 """One run of a mission on the local link: everything in one process, in lock-step, on the mission's clock.
 
-Each cycle: readings arrive, reflexes answer, the control module spends its budget on knowledge sources. The same mission,
-seed and readings give the same board, byte for byte.
+Each cycle: readings arrive, reflexes answer, the control module spends its budget on knowledge sources, the planner decides.
+The same mission, seed and readings give the same board, byte for byte.
 """
 
 from array import array
@@ -13,12 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from blackboard.board import Board
-from blackboard.component import KnowledgeSource, Robot
+from blackboard.component import KnowledgeSource, Parts, Planner, Robot
 from blackboard.control import Control
 from blackboard.entry import Entry
-from blackboard.kinds import MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT
+from blackboard.kinds import MAP_FROM_ODOM, MISSION, ODOM_FROM_ROBOT, ROBOT
 from blackboard.messages.geometry import IDENTITY, Pose
 from blackboard.mission import Mission
+from blackboard.planning import Planning
 from blackboard.reflexes import Reflexes
 from blackboard.wiring import check_wiring
 
@@ -46,10 +47,11 @@ class Run:
             if spec.rating is not None:
                 source.rating = float(spec.rating)
             self.sources.append(source)
-        behaviours = [(spec.build(options.seed), spec.inhibits) for spec in mission.behaviours]
+        behaviours = [(spec.build(options.seed), spec.wiring) for spec in mission.behaviours]
         coordinator = mission.coordinator.build(options.seed) if mission.coordinator is not None else None
         safety = mission.safety.build(options.seed) if mission.safety is not None else None
-        vocabulary = check_wiring(self.robot, self.sources, [b for b, _ in behaviours], safety)
+        planner: Planner[Any] | None = mission.rules.build(options.seed) if mission.rules is not None else None
+        vocabulary = check_wiring(self.robot, self.sources, [b for b, _ in behaviours], safety, planner)
         description = self.robot.description
         self.board = Board(vocabulary, robot=description.name, history=mission.history)
         self.board.now_s = self.robot.start_s
@@ -57,6 +59,15 @@ class Run:
         self._reflexes: Reflexes | None = None
         if self.robot.moves and safety is not None:
             self._reflexes = Reflexes(self.board, behaviours, coordinator, safety, description, strict=options.strict)
+        self.planning: Planning | None = None
+        if planner is not None:
+            parts = Parts(
+                behaviours={b.name: (b.parameters, b.optional) for b, _ in behaviours},
+                levels=list(dict.fromkeys(wiring.level for _, wiring in behaviours if wiring.level)),
+                sources={source.name: source.rating for source in self.sources},
+                vocabulary=vocabulary,
+            )
+            self.planning = Planning(self.board, planner, parts, strict=options.strict)
         self._track = Track()
         self.board.subscribe(self.board.key(ODOM_FROM_ROBOT), self._note_pose)
         self._truth = Track()
@@ -76,6 +87,8 @@ class Run:
             self.cycle()
             if progress is not None and cycle % 50 == 0:
                 progress(cycle * self.mission.params.step_s, total_s)
+            if self.over:
+                break
         self.control.finish()
         if progress is not None:
             progress(total_s, total_s)
@@ -102,6 +115,14 @@ class Run:
         if self._reflexes is not None:
             self.robot.drive(self._reflexes.respond())
         self.control.run_cycle()
+        if self.planning is not None:
+            self.planning.decide()
+
+    @property
+    def over(self) -> bool:
+        """Say whether the mission has come to its end by its own word."""
+        status = self.board.newest(MISSION)
+        return status is not None and status.value.state != "underway"
 
     def trajectory(self) -> npt.NDArray[np.float64]:
         """Return where the robot believed to be, (n, 4): stamp_s, x_m, y_m, heading_rad, map frame, each as of its time."""

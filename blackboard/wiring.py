@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from blackboard import kinds
-from blackboard.component import Behaviour, KnowledgeSource, Robot, SafetyLayer
+from blackboard.component import Behaviour, KnowledgeSource, Planner, Robot, SafetyLayer
 from blackboard.control import as_triggers
 from blackboard.errors import MissionError, did_you_mean
 from blackboard.kinds import Kind
@@ -15,6 +15,7 @@ from blackboard.vocabulary import Vocabulary, core_kinds
 RUNNER_POSTS = (
     kinds.ROBOT,
     kinds.RESPONSE,
+    kinds.SWITCH,
     kinds.VELOCITY,
     kinds.DRIVE,
     kinds.BEHAVIOUR,
@@ -30,13 +31,14 @@ def check_wiring(
     sources: Sequence[KnowledgeSource[Any]],
     behaviours: Sequence[Behaviour[Any]],
     safety: SafetyLayer[Any] | None,
+    planner: Planner[Any] | None = None,
 ) -> Vocabulary:
     """Return the mission's vocabulary, or raise MissionError.
 
     Refused are: a kind that nothing declares or posts, two posters of one slot, a source none of whose triggers is ever posted
     (a reading that this robot lacks is allowed beside one that it has), and a ring of triggers without any condition.
     """
-    posted = _posters(robot, sources)
+    posted = _posters(robot, sources, planner)
     known = {kind.path for kind in core_kinds()} | set(posted)
     for source in sources:
         triggers = as_triggers(source)
@@ -60,13 +62,17 @@ def check_wiring(
     declared: list[Kind[Any]] = [*robot.provides, *(kind for reader in readers for kind in reader.reads)]
     for source in sources:
         declared += [*source.posts, *(trigger.kind for trigger in as_triggers(source))]
+    declared += planner.posts if planner is not None else []
     return Vocabulary(declared)
 
 
-def _posters(robot: Robot[Any], sources: Sequence[KnowledgeSource[Any]]) -> dict[str, str]:
+def _posters(
+    robot: Robot[Any], sources: Sequence[KnowledgeSource[Any]], planner: Planner[Any] | None
+) -> dict[str, str]:
     posted = {kind.path: "the runner" for kind in RUNNER_POSTS}
     claims = [(kind, robot.name) for kind in robot.provides]
     claims += [(kind, source.name) for source in sources for kind in source.posts]
+    claims += [(kind, planner.name) for kind in planner.posts] if planner is not None else []
     for kind, name in claims:
         other = posted.get(kind.path)
         if other is not None and not kind.shared:

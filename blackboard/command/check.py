@@ -32,7 +32,7 @@ def call(options: argparse.Namespace) -> int:
             }
             for source in sorted(run.sources, key=lambda source: -source.rating)
         },
-        "behaviours": {spec.name: {"inhibits": list(spec.inhibits)} for spec in mission.behaviours},
+        "behaviours": {spec.name: {"inhibits": list(spec.wiring.inhibits)} for spec in mission.behaviours},
     }
     if options.json:
         sys.stdout.write(json.dumps(facts, indent=2) + "\n")
@@ -46,6 +46,6 @@ def call(options: argparse.Namespace) -> int:
     if mission.behaviours:
         write("behaviours, highest first\n")
     for spec in mission.behaviours:
-        write(f"  {spec.name}" + (f" (inhibits {', '.join(spec.inhibits)})" if spec.inhibits else "") + "\n")
+        write(f"  {spec.name}" + (f" (inhibits {', '.join(spec.wiring.inhibits)})" if spec.wiring.inhibits else "") + "\n")
     write("The mission is sound.\n")
     return 0

@@ -51,3 +51,44 @@ class ComponentStatus(Message, frozen=True, kw_only=True):
     error: Text = ""
     trigger_key: Text = ""
     trigger_revision: Count = 0
+
+
+class Focus(Message, frozen=True, kw_only=True):
+    """What a rule says of a knowledge source, by its id: another rating, or that it is to rest (Bou-Ghannam 1992, section 4.4)."""
+
+    rating: Rating
+    enabled: bool = True
+
+
+class Fact(Message, frozen=True, kw_only=True):
+    """A fact that a rule asserted into working memory, by its index there; what follows from entries stands on their own keys."""
+
+    relation: Name
+    fact: Text
+
+
+class Firing(Message, frozen=True, kw_only=True):
+    """A rule that fired, by its name: the facts that matched its conditions ("" for one that no single fact matches), and what it
+    did. Its supports are the entries behind those facts.
+    """
+
+    rule: Name
+    number: Count
+    facts: Annotated[tuple[Text, ...], Meta(max_length=100)] = ()
+    did: Annotated[tuple[Text, ...], Meta(max_length=1000)] = ()
+    error: Text = ""
+
+
+class RuleFile(Message, frozen=True, kw_only=True):
+    """A rule file as it was read."""
+
+    name: Name
+    text: Annotated[str, Meta(max_length=1_000_000)]
+
+
+class RuleFiles(Message, frozen=True, kw_only=True):
+    """The rules that decide. Where a changed file was refused, `refused` says why and the files before it stay in force."""
+
+    engine: Name
+    files: Annotated[tuple[RuleFile, ...], Meta(max_length=1000)]
+    refused: Text = ""

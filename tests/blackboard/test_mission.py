@@ -201,7 +201,7 @@ use = "toys.py:ToyCoordinator"
 
 def test_inhibition_goes_downwards(folder: Path) -> None:
     mission = load(folder, MISSION.partition("[[")[0] + BEHAVIOURS)
-    assert mission.behaviours[0].inhibits == ("low",)
+    assert mission.behaviours[0].wiring.inhibits == ("low",)
     assert "there is no behaviour 'lov'; did you mean" in refusal(
         folder, MISSION + BEHAVIOURS.replace('["low"]', '["lov"]')
     )

@@ -1,0 +1,33 @@
+"""Ways over the floor that is known to be empty. Map frame."""
+
+from typing import Annotated, Literal
+
+from msgspec import Meta
+
+from blackboard.messages.base import Length, Message
+from blackboard.messages.geometry import Point
+
+
+class Route(Message, frozen=True, kw_only=True):
+    """The shortest safe way to `goal` for a robot of this size, from where it stood; no `way` where none is known."""
+
+    goal: Point
+    state: Literal["found", "none"]
+    way: Annotated[tuple[Point, ...], Meta(max_length=10_000)] = ()
+    length_m: Length = 0.0
+
+    def extent(self) -> tuple[float, float, float, float]:
+        xs = [self.goal.x_m, *(point.x_m for point in self.way)]
+        ys = [self.goal.y_m, *(point.y_m for point in self.way)]
+        return (min(xs), min(ys), max(xs), max(ys))
+
+
+class Travel(Message, frozen=True, kw_only=True):
+    """How far it is to a target, by the target's id, over floor that is known to be empty, from where the robot stood."""
+
+    state: Literal["reachable", "unreachable"]
+    stand: Point
+    length_m: Length = 0.0
+
+    def extent(self) -> tuple[float, float, float, float]:
+        return self.stand.extent()
