@@ -46,6 +46,8 @@ def call(options: argparse.Namespace) -> int:
     if mission.behaviours:
         write("behaviours, highest first\n")
     for spec in mission.behaviours:
-        write(f"  {spec.name}" + (f" (inhibits {', '.join(spec.wiring.inhibits)})" if spec.wiring.inhibits else "") + "\n")
+        write(
+            f"  {spec.name}" + (f" (inhibits {', '.join(spec.wiring.inhibits)})" if spec.wiring.inhibits else "") + "\n"
+        )
     write("The mission is sound.\n")
     return 0

@@ -5,9 +5,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from behaviours.superposition import Superposition, SuperpositionParams, summed, superposition_velocity
+from blackboard.access import Access
+from blackboard.board import Board
 from blackboard.errors import MissionError
 from blackboard.messages.motion import Response, Velocity
 from blackboard.messages.sensing import RobotDescription
+from blackboard.vocabulary import Vocabulary
 
 PARAMS = SuperpositionParams(weave_rad=0.0)
 ROBOT = RobotDescription(name="r", radius_m=0.3, max_speed_mps=1.0, max_turn_radps=2.0, max_acceleration_mps2=0.5)
@@ -95,8 +98,12 @@ def test_on_the_way_it_swings_its_heading_and_comes_back() -> None:
 
 def test_the_coordinator_remembers_its_turn() -> None:
     coordinator = Superposition(PARAMS, name="coordinator")
-    begun = coordinator.combine({"a": Response(forward=-1.0, left=-0.5)}, ROBOT, 3.0)
-    held = coordinator.combine({"a": Response(forward=-1.0, left=0.05)}, ROBOT, 3.1)
+    board = Board(Vocabulary())
+    access = Access(board, "coordinator", (), ())
+    board.now_s = 3.0
+    begun = coordinator.combine({"a": Response(forward=-1.0, left=-0.5)}, ROBOT, access)
+    board.now_s = 3.1
+    held = coordinator.combine({"a": Response(forward=-1.0, left=0.05)}, ROBOT, access)
     assert begun.turn_radps == held.turn_radps == -PARAMS.turn_radps
     assert held.valid_until_s == 3.1 + PARAMS.valid_for_s
 
