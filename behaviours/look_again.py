@@ -14,13 +14,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import atan2, cos, hypot, sin
 
+from behaviours.whereabouts import POSE_READS, map_from_robot
 from blackboard.access import Access
 from blackboard.component import Behaviour
 from blackboard.entry import Entry
 from blackboard.grid import Grid, way_is_empty
-from blackboard.kinds import GRID, MAP_FROM_ODOM, ODOM_FROM_ROBOT, RESOLUTION_TASK, ROBOT
+from blackboard.kinds import GRID, RESOLUTION_TASK, ROBOT
 from blackboard.messages.conflicts import ResolutionTask
-from blackboard.messages.geometry import IDENTITY, Pose, wrap_angle
+from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.messages.motion import Response
 from blackboard.parameters import require
 
@@ -89,7 +90,7 @@ class LookAgain(Behaviour[LookAgainParams]):
     """Brings the robot to where a doubt can be resolved."""
 
     Params = LookAgainParams
-    reads = (RESOLUTION_TASK, GRID, MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT)
+    reads = (RESOLUTION_TASK, GRID, *POSE_READS, ROBOT)
 
     def __init__(self, params: LookAgainParams, *, name: str, seed: int = 0) -> None:
         super().__init__(params, name=name, seed=seed)
@@ -101,7 +102,7 @@ class LookAgain(Behaviour[LookAgainParams]):
         self._tries: dict[str, int] = {}
 
     def respond(self, board: Access) -> Response | None:
-        pose = _pose(board)
+        pose = map_from_robot(board)
         if pose is None:
             return None
         now_s, task = board.now_s, self._standing(board)
@@ -163,10 +164,3 @@ class LookAgain(Behaviour[LookAgainParams]):
         self._task = None if found is None else found.id
         self._until_s = now_s + self.params.patience_s
         return found
-
-
-def _pose(board: Access) -> Pose | None:
-    odometry, correction = board.newest(ODOM_FROM_ROBOT), board.newest(MAP_FROM_ODOM)
-    if odometry is None:
-        return None
-    return (correction.value if correction is not None else IDENTITY) @ odometry.value
