@@ -25,7 +25,7 @@ from blackboard.runner import Run, RunOptions
 DURATION_S = 600.0
 COLUMNS = (  # key in the run's table, heading, factor
     ("grid_right_fraction", "grid right %", 100.0),
-    ("floor_decided_fraction", "floor decided %", 100.0),
+    ("reachable_decided_fraction", "floor decided %", 100.0),
     ("walls_found_fraction", "walls found %", 100.0),
     ("lines_spurious_fraction", "lines spurious %", 100.0),
     ("lines", "lines", 1.0),

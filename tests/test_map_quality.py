@@ -37,7 +37,7 @@ def test_decided_cells_are_right(result: RunResult) -> None:
 
 
 def test_the_floor_is_decided(result: RunResult) -> None:
-    assert result.table["floor_decided_fraction"] >= 0.95
+    assert result.table["reachable_decided_fraction"] >= 0.95
 
 
 def test_walls_are_found(result: RunResult) -> None:

@@ -12,7 +12,7 @@ from rich.progress import Progress as ProgressBar
 from blackboard.command.main import EXIT_INTERRUPTED
 from blackboard.errors import ComponentFailed, MissionError
 from blackboard.journal import FILE_NAME, JournalWriter
-from blackboard.kinds import COMPONENT, CORRECTED_PATH
+from blackboard.kinds import COMPONENT, CORRECTED_PATH, MISSION
 from blackboard.mission import Mission
 from blackboard.report.output_folder import prepare_output_folder
 from blackboard.report.table import show_table, table_json
@@ -81,11 +81,21 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
         sys.stdout.write(table_json({**result.table, "out": str(folder)}) + "\n")
     else:
         show_table(result.table, result.mission)
+        sys.stdout.write(ending(run))
         sys.stdout.write(f"Results in {folder}: look at {folder / 'overview.png'}\n")
     if interrupted:
         sys.stderr.write(f"ski: interrupted; what was gathered until then is in {folder}\n")
         return EXIT_INTERRUPTED
     return 0
+
+
+def ending(run: Run) -> str:
+    """Return the line that says that a mission ended by its own word; empty where it did not."""
+    status = run.board.newest(MISSION)
+    if status is None or status.value.state == "underway":
+        return ""
+    detail = f": {status.value.detail}" if status.value.detail else ""
+    return f"{run.mission.name} is {status.value.state} after {status.stamp_s - run.robot.start_s:.1f} s{detail}\n"
 
 
 def _run_showing_progress(run: Run, duration_s: float | None, note: Progress | None) -> None:

@@ -15,6 +15,7 @@ from blackboard.kinds import (
     CORRECTED_PATH,
     GRID,
     LINE,
+    MISSION,
     MODEL_LINE,
     RESOLUTION_TASK,
     SUPPORTED_POINTS,
@@ -24,6 +25,7 @@ from blackboard.kinds import (
 from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.messages.mapping import CorrectedPath
 from blackboard.messages.model import ModelLine
+from blackboard.messages.motion import MissionStatus
 from blackboard.messages.world import Line
 from blackboard.report.animation import Frame
 from blackboard.report.corner_scores import corner_scores
@@ -56,6 +58,7 @@ def gather(run: Run, title: str) -> RunResult:
         truth=run.robot.truth(),
     )
     table: dict[str, float | int | str] = {"robot": result.robot.name, "time_s": span_s, "path_m": driven_m(trajectory)}
+    table |= mission_rows(run.board.newest(MISSION))
     table |= run.robot.summary()
     if corrected is not None:
         table |= closing(corrected.value)
@@ -69,6 +72,16 @@ def gather(run: Run, title: str) -> RunResult:
     table |= score_table(result)
     table |= corner_scores(result.corners, result.truth)
     return replace(result, table=table)
+
+
+def mission_rows(status: Entry[MissionStatus] | None) -> dict[str, float | int | str]:
+    """Return how the mission ended, and when; no rows where nobody ever said how it stands."""
+    if status is None:
+        return {}
+    rows: dict[str, float | int | str] = {"mission": status.value.state}
+    if status.value.state != "underway":
+        rows |= {"mission_ended_s": status.stamp_s, "mission_detail": status.value.detail}
+    return {name: value for name, value in rows.items() if value != ""}
 
 
 def points_of(board: Board) -> npt.NDArray[np.float64] | None:

@@ -116,13 +116,14 @@ def covered(
     return found
 
 
-def area_decided(grid: GridView | None, truth: WorldTruth, start: Pose, radius_m: float = 0.0) -> float:
+def area_decided(grid: GridView | None, truth: WorldTruth, place: Pose, radius_m: float = 0.0) -> float:
     """Return the fraction of the reachable free floor that the grid decided, by cell centres.
 
-    Reachable is what a disc of `radius_m` can cover on its way from `start` (map frame). 0 where nothing is reachable.
+    Reachable is what a disc of `radius_m` can cover on its way from `place` (map frame), whether it could see it or not. 0 where
+    nothing is reachable. The grid is taken as it lies: what drift moved off the floor is not decided.
     """
     parts = shapely.get_parts(shapely.buffer(free_floor(truth), -radius_m))
-    mine = [part for part in parts if shapely.distance(part, shapely.Point(start.x_m, start.y_m)) <= SURFACE_M]
+    mine = [part for part in parts if shapely.distance(part, shapely.Point(place.x_m, place.y_m)) <= SURFACE_M]
     if grid is None or not mine:
         return 0.0
     reachable = shapely.buffer(shapely.union_all(mine), radius_m)
@@ -155,8 +156,9 @@ def score_table(result: RunResult) -> dict[str, float]:
     if result.grid is not None:
         scores["grid_right_fraction"] = grid_score(result.grid, result.truth).right_fraction
         if len(path):
-            start = Pose(x_m=float(path[0, 1]), y_m=float(path[0, 2]), heading_rad=0.0)
-            scores["floor_decided_fraction"] = area_decided(result.grid, result.truth, start, result.robot.radius_m)
+            # where it ends, in the world as it is then: a door that was closed for good leaves the side that it is on
+            last = Pose(x_m=float(path[-1, 1]), y_m=float(path[-1, 2]), heading_rad=0.0)
+            scores["reachable_decided_fraction"] = area_decided(result.grid, result.truth, last, result.robot.radius_m)
     if result.lines:
         lines = line_score([e.value for e in result.lines], result.truth, path, sensing_range_m(result.robot))
         scores["walls_found_fraction"] = lines.found_fraction

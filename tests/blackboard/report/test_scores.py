@@ -138,11 +138,22 @@ def test_what_cannot_be_reached_is_not_asked_for(make_grid):
     assert area_decided(grid, truth, nowhere) == 0.0
 
 
+def test_the_side_of_a_closed_door_counts_where_the_robot_ends(make_grid, result):
+    door = shapely.box(1.9, 0.0, 2.1, 3.0)
+    truth = WorldTruth(solid=door, floor=shapely.box(0.0, 0.0, 4.0, 3.0))
+    cells = np.full((60, 80), 128)
+    cells[:, :38] = 0  # the left side is known
+    for ends_x_m, share in ((0.5, 1.0), (3.5, 0.0)):
+        path = np.array([[0.0, 0.5, 1.5, 0.0], [9.0, ends_x_m, 1.5, 0.0]])
+        rows = score_table(replace(result, grid=make_grid(cells), truth=truth, true_trajectory=path))
+        assert rows["reachable_decided_fraction"] == pytest.approx(share, abs=0.02)
+
+
 def test_the_table_rows_come_with_truth_only(result):
     rows = score_table(result)
     assert set(rows) == {
         "grid_right_fraction",
-        "floor_decided_fraction",
+        "reachable_decided_fraction",
         "walls_found_fraction",
         "lines_spurious_fraction",
     }
