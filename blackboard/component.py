@@ -146,6 +146,7 @@ class Parts:
     levels: Sequence[str]
     sources: Mapping[str, float]  # with their ratings
     vocabulary: "Vocabulary"
+    owners: Mapping[str, str]  # who posts a kind, by its path
 
 
 class Planner(Component[P], ABC):

@@ -21,7 +21,7 @@ from blackboard.messages.geometry import IDENTITY, Pose
 from blackboard.mission import Mission
 from blackboard.planning import Planning
 from blackboard.reflexes import Reflexes
-from blackboard.wiring import check_wiring
+from blackboard.wiring import check_wiring, posters
 
 Progress = Callable[[float, float], None]  # elapsed and total seconds on the mission's clock
 
@@ -66,6 +66,7 @@ class Run:
                 levels=list(dict.fromkeys(wiring.level for _, wiring in behaviours if wiring.level)),
                 sources={source.name: source.rating for source in self.sources},
                 vocabulary=vocabulary,
+                owners=posters(self.robot, self.sources, planner),
             )
             self.planning = Planning(self.board, planner, parts, strict=options.strict)
         self._track = Track()

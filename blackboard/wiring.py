@@ -38,7 +38,7 @@ def check_wiring(
     Refused are: a kind that nothing declares or posts, two posters of one slot, a source none of whose triggers is ever posted
     (a reading that this robot lacks is allowed beside one that it has), and a ring of triggers without any condition.
     """
-    posted = _posters(robot, sources, planner)
+    posted = posters(robot, sources, planner)
     known = {kind.path for kind in core_kinds()} | set(posted)
     for source in sources:
         triggers = as_triggers(source)
@@ -66,9 +66,10 @@ def check_wiring(
     return Vocabulary(declared)
 
 
-def _posters(
+def posters(
     robot: Robot[Any], sources: Sequence[KnowledgeSource[Any]], planner: Planner[Any] | None
 ) -> dict[str, str]:
+    """Return who posts each kind, by its path; raise MissionError where two claim a kind that is not shared."""
     posted = {kind.path: "the runner" for kind in RUNNER_POSTS}
     claims = [(kind, robot.name) for kind in robot.provides]
     claims += [(kind, source.name) for source in sources for kind in source.posts]

@@ -68,15 +68,30 @@ class Fact(Message, frozen=True, kw_only=True):
 
 
 class Firing(Message, frozen=True, kw_only=True):
-    """A rule that fired, by its name: the facts that matched its conditions ("" for one that no single fact matches), and what it
-    did. Its supports are the entries behind those facts.
+    """A rule that fired, by its name: the facts that matched its conditions ("" for one that no single fact matches), what it
+    did on the board, and what it printed. Its supports are the entries behind those facts.
     """
 
     rule: Name
     number: Count
     facts: Annotated[tuple[Text, ...], Meta(max_length=100)] = ()
     did: Annotated[tuple[Text, ...], Meta(max_length=1000)] = ()
+    said: Text = ""
     error: Text = ""
+
+
+class RuleError(Message, frozen=True, kw_only=True):
+    """What went wrong with a rule, by its name: its actions raised, or it fired without end."""
+
+    rule: Name
+    text: Text
+
+
+class CommunicationError(Message, frozen=True, kw_only=True):
+    """A behaviour, by its id, that has not acknowledged the motivation of this number in time (Bou-Ghannam 1992, section 5.1)."""
+
+    number: Count
+    waited_s: Duration
 
 
 class RuleFile(Message, frozen=True, kw_only=True):

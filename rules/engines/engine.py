@@ -72,6 +72,14 @@ class Engine(ABC):
         """Return the activations that wait, the next to fire first."""
 
     @abstractmethod
+    def drop(self, activation: Activation) -> None:
+        """Take an activation off the agenda without firing it; KeyError where it is not there."""
+
+    @abstractmethod
+    def initial_facts(self) -> Sequence[FactValue]:
+        """Return the facts of the program's deffacts, in order."""
+
+    @abstractmethod
     def fire(self, activation: Activation | None = None) -> Firing | None:
         """Fire the next activation, or this one of the agenda; None where nothing waits or a rule said halt.
 
