@@ -17,7 +17,7 @@ from blackboard.entry import Entry
 from blackboard.kinds import Kind
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
-from blackboard.messages.motion import Drive, Response, Velocity
+from blackboard.messages.motion import Drive, Response, Switch, Velocity
 from blackboard.messages.sensing import RobotDescription
 
 if TYPE_CHECKING:
@@ -118,6 +118,10 @@ class Behaviour(Component[P], ABC):
     def progress(self) -> Progress:
         """Say how it fares, after each answer."""
         return Progress()
+
+    def adjusts(self) -> Mapping[str, Switch]:
+        """Say which switches it puts into the lines of other behaviours, by their names, for as long as its answers go on."""
+        return {}
 
     def done(self) -> bool:
         """Say whether the behaviour has reached its end and will not answer again unless selected anew."""

@@ -7,7 +7,7 @@ on; without a coordinator or safety layer the robot stands still.
 A behaviour answers while it is selected; a motivation selects and deselects it, and its status acknowledges that.
 
 Reads  motivations/motivation/<behaviour>
-Posts  control/switch/<behaviour or level>, once, where the coordinator reads switches
+Posts  control/switch/..., where the coordinator reads switches
        commands/response/<behaviour>, commands/velocity, commands/drive, status/behaviour/<behaviour>
 """
 
@@ -23,9 +23,10 @@ from blackboard.control import report_failure
 from blackboard.entry import Entry, Support
 from blackboard.errors import SkiError
 from blackboard.kinds import BEHAVIOUR, DRIVE, MOTIVATION, RESPONSE, SWITCH, VELOCITY
-from blackboard.messages.motion import BehaviourStatus, Drive, Motivation, Response, Switch, Velocity
+from blackboard.messages.motion import BehaviourStatus, Drive, Motivation, Response, Velocity
 from blackboard.messages.sensing import RobotDescription
 from blackboard.mission import Wiring
+from blackboard.switches import Switches
 
 PROGRESS_STEP_M = 0.25  # how far a behaviour has to go is told in such steps: its status is news, not a stream
 STOP = Drive(forward_mps=0.0, turn_radps=0.0, limited_by="no command")
@@ -95,8 +96,10 @@ class Reflexes:
         safety: SafetyLayer[Any],
         robot: RobotDescription,
         *,
+        switches_of: str | None = None,
         strict: bool = False,
     ) -> None:
+        """Wire them; the switches belong to `switches_of`, who may set them (the coordinator itself unless given)."""
         self._board = board
         self._strict = strict
         self._robot = robot
@@ -106,6 +109,9 @@ class Reflexes:
         self._safety_access = Access(board, safety.name, safety.reads, ())
         self._held = [_Held(board, b, wiring) for b, wiring in behaviours]
         self._by_name = {held.behaviour.name: held for held in self._held}
+        self._switches: Switches | None = None
+        if coordinator is not None and SWITCH in coordinator.reads:
+            self._switches = Switches(board, switches_of or coordinator.name)
         self._wired = False
         board.subscribe(f"ski/{board.robot}/{MOTIVATION.path}/*", self._note)
 
@@ -123,17 +129,9 @@ class Reflexes:
             held.asked = None if entry.event == "retracted" else entry
 
     def _wire(self) -> None:
-        """Put the switches of the arbitration on the board, as the mission file wires them."""
         self._wired = True
-        if self._coordinator is None or SWITCH not in self._coordinator.reads:
-            return
-        name = self._coordinator.name
-        for held in self._held:
-            wiring = held.wiring
-            switch = Switch(gain=wiring.gain, threshold=wiring.threshold, level=wiring.level)
-            self._board.post(SWITCH, switch, id=held.behaviour.name, source=name)
-        for level in dict.fromkeys(held.wiring.level for held in self._held if held.wiring.level):
-            self._board.post(SWITCH, Switch(), id=level, source=name)
+        if self._switches is not None:
+            self._switches.wire({held.behaviour.name: held.wiring for held in self._held})
 
     def _responses(self) -> dict[str, Entry[Response]]:
         inhibited: set[str] = set()
@@ -161,8 +159,10 @@ class Reflexes:
                 if passed is not None:
                     responses[name] = entry if passed is answer else replace(entry, value=passed)
                     inhibited.update(held.inhibits)
+                self._adjust(held, supports if passed is not None else None)
             elif held.answering:
                 self._board.retract(RESPONSE, name, source=name)
+                self._adjust(held, None)
             held.answering = answer is not None
             self._show(held, name in inhibited and answer is None and held.selected)
         return responses
@@ -175,6 +175,18 @@ class Reflexes:
         except Exception as error:
             self._lose_coordinator(error)
             return None
+
+    def _adjust(self, held: _Held, supports: tuple[Support, ...] | None) -> None:
+        """Put the switches that a behaviour wants into the lines of others; take them out where its answer does not go on."""
+        if self._switches is None:
+            return
+        try:
+            wanted = held.behaviour.adjusts() if supports is not None else {}
+            self._switches.adjust(held.behaviour.name, wanted, supports or ())
+        except Exception as error:
+            held.failed = True
+            self._switches.adjust(held.behaviour.name, {}, ())
+            report_failure(self._board, held.behaviour.name, error, None, strict=self._strict)
 
     def _show(self, held: _Held, inhibited: bool) -> None:
         try:

@@ -58,7 +58,15 @@ class Run:
         self.control = Control(self.board, self.sources, mission.control, strict=options.strict)
         self._reflexes: Reflexes | None = None
         if self.robot.moves and safety is not None:
-            self._reflexes = Reflexes(self.board, behaviours, coordinator, safety, description, strict=options.strict)
+            self._reflexes = Reflexes(
+                self.board,
+                behaviours,
+                coordinator,
+                safety,
+                description,
+                switches_of=planner.name if planner is not None else None,
+                strict=options.strict,
+            )
         self.planning: Planning | None = None
         if planner is not None:
             parts = Parts(

@@ -66,9 +66,7 @@ def check_wiring(
     return Vocabulary(declared)
 
 
-def posters(
-    robot: Robot[Any], sources: Sequence[KnowledgeSource[Any]], planner: Planner[Any] | None
-) -> dict[str, str]:
+def posters(robot: Robot[Any], sources: Sequence[KnowledgeSource[Any]], planner: Planner[Any] | None) -> dict[str, str]:
     """Return who posts each kind, by its path; raise MissionError where two claim a kind that is not shared."""
     posted = {kind.path: "the runner" for kind in RUNNER_POSTS}
     claims = [(kind, robot.name) for kind in robot.provides]
