@@ -1,0 +1,52 @@
+"""Facts as `assert` and `deffacts` write them."""
+
+from rules.language.errors import RuleError
+from rules.language.reading.expressions import read_expression
+from rules.language.reading.forms import Form, Node, name_of
+from rules.language.reading.slots import check_single, slots_of
+from rules.language.reading.surroundings import Place, Surroundings
+from rules.language.reading.vocabulary import CONDITION_WORDS
+from rules.language.syntax import Call, Expression, FactForm, Position, Template
+
+
+def relation_of(form: Form, known: Surroundings) -> str:
+    """Return the relation of a fact or pattern, and note that it is used."""
+    name = name_of(form.items[0] if form.items else None, "the name of the relation", form.position)
+    if name in CONDITION_WORDS:
+        raise RuleError(f"'{name}' has a meaning in conditions and cannot name a relation", form.position)
+    known.used.add(name)
+    return name
+
+
+def read_fact(node: Node, place: Place, known: Surroundings) -> FactForm:
+    """Return the fact that a form writes."""
+    if not isinstance(node, Form):
+        raise RuleError("a fact stands in brackets: (relation ...)", node.position)
+    relation = relation_of(node, known)
+    template = known.templates.get(relation)
+    if template is None:
+        fields = tuple(read_expression(item, place, known) for item in node.items[1:])
+        return FactForm(relation, fields, node.position)
+    return _template_fact(node, template, place, known)
+
+
+def _template_fact(form: Form, template: Template, place: Place, known: Surroundings) -> FactForm:
+    names: list[str] = []
+    fields: list[Expression] = []
+    for slot, item in slots_of(form.items[1:], template, known):
+        values = read_slot_values(item, place, known)
+        check_single(slot, len(values), item.position)
+        values = values or (empty(item.position),)
+        names += [slot.name] * len(values)
+        fields += values
+    return FactForm(template.name, tuple(fields), form.position, tuple(names))
+
+
+def read_slot_values(item: Form, place: Place, known: Surroundings) -> tuple[Expression, ...]:
+    """Return what is written behind a slot's name."""
+    return tuple(read_expression(value, place, known) for value in item.items[1:])
+
+
+def empty(position: Position) -> Expression:
+    """Return the expression of an empty multifield."""
+    return Call("create$", (), position)
