@@ -47,10 +47,12 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
     run = Run(mission, RunOptions(seed=options.seed, strict=options.strict))
     prepare_output_folder(folder, options.force)
     from blackboard.command.gather import FrameCollector, gather  # loads matplotlib: not before all else is sound
+    from blackboard.command.gather_milestones import MilestoneCollector
     from blackboard.report.write import write_results
 
     interrupted, failure = False, None
     collector = FrameCollector(run) if options.gif else None
+    milestones = MilestoneCollector(run)
     with JournalWriter(folder / FILE_NAME) as journal:
         run.board.journal = journal
         try:
@@ -63,7 +65,7 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
         finally:
             run.robot.close()
     result = gather(run, title or mission.name)
-    write_results(result, folder, collector.frames if collector is not None else ())
+    write_results(result, folder, collector.frames if collector is not None else (), milestones.milestones())
     if failure is not None:
         raise failure
     for entry in run.board.entries(COMPONENT):

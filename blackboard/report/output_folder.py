@@ -7,6 +7,7 @@ from blackboard.errors import OutputError
 
 FILES = (
     "board.jsonl",
+    "figures.png",
     "grid.png",
     "lines.geojson",
     "map.gif",

@@ -61,13 +61,13 @@ def overview_figure(result: RunResult) -> Figure:
     map_width_px = WIDTH_PX - 2 * EDGE_PX
     map_height_px = round(map_width_px * view.height_m / view.width_m)
     height_px = HEAD_PX + map_height_px + FOOT_PX
-    figure = Figure(figsize=(WIDTH_PX / DPI, height_px / DPI), dpi=DPI, facecolor=_rgb(palette.PAPER))
+    figure = Figure(figsize=(WIDTH_PX / DPI, height_px / DPI), dpi=DPI, facecolor=palette.rgb(palette.PAPER))
     FigureCanvasAgg(figure)
     page = figure.add_axes((0, 0, 1, 1))
     page.set(xlim=(0, WIDTH_PX), ylim=(0, height_px))
     page.axis("off")
     area = (EDGE_PX / WIDTH_PX, FOOT_PX / height_px, map_width_px / WIDTH_PX, map_height_px / height_px)
-    axes = figure.add_axes(area, facecolor=_rgb(palette.UNKNOWN_COLOUR))
+    axes = figure.add_axes(area, facecolor=palette.rgb(palette.UNKNOWN_COLOUR))
     axes.set(xlim=(view.x_min_m, view.x_max_m), ylim=(view.y_min_m, view.y_max_m), xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_visible(False)
@@ -107,7 +107,7 @@ def _draw_map(axes: "Axes", result: RunResult, view: View, px_per_m: float) -> N
             result.points[:, 0],
             result.points[:, 1],
             s=size,
-            color=_rgb(palette.OCCUPIED_COLOUR),
+            color=palette.rgb(palette.OCCUPIED_COLOUR),
             linewidths=0,
             zorder=1,
         )
@@ -123,7 +123,7 @@ def _draw_map(axes: "Axes", result: RunResult, view: View, px_per_m: float) -> N
     ends = segments([e.value for e in result.lines]).reshape(-1, 2, 2)
     for colour, width, order in ((palette.PAPER, 2.6, 3), (palette.LINE_COLOUR, 1.5, 4)):
         axes.add_collection(
-            LineCollection(list(ends), colors=[_rgb(colour)], linewidths=width, capstyle="round", zorder=order)
+            LineCollection(list(ends), colors=[palette.rgb(colour)], linewidths=width, capstyle="round", zorder=order)
         )
     draw_symbols(axes, result, px_per_m)
     if len(path):
@@ -140,7 +140,7 @@ def _moved(result: RunResult) -> bool:
 
 def _draw_robot(axes: "Axes", pose: Pose, radius_m: float, px_per_m: float, colour: palette.Colour) -> None:
     x_m, y_m, heading_rad = (float(v) for v in pose[1:])
-    ink, fill = _rgb(palette.INK), _rgb(colour)
+    ink, fill = palette.rgb(palette.INK), palette.rgb(colour)
     if radius_m * px_per_m >= SMALLEST_ROBOT_PX:
         axes.add_patch(Circle((x_m, y_m), radius_m, facecolor=fill, edgecolor=ink, linewidth=0.9, zorder=6))
         axes.add_patch(_nose(x_m, y_m, heading_rad, radius_m, zorder=7))
@@ -159,11 +159,11 @@ def _nose(x: float, y: float, heading_rad: float, radius: float, zorder: int) ->
         (x + r * radius * cos(heading_rad + a), y + r * radius * sin(heading_rad + a))
         for a, r in zip(turns, reach, strict=True)
     ]
-    return Polygon(corners, closed=True, facecolor=_rgb(palette.INK), linewidth=0, zorder=zorder)
+    return Polygon(corners, closed=True, facecolor=palette.rgb(palette.INK), linewidth=0, zorder=zorder)
 
 
 def _draw_head(page: "Axes", result: RunResult, height_px: int) -> None:
-    ink, faint = _rgb(palette.INK), _rgb(palette.FAINT_INK)
+    ink, faint = palette.rgb(palette.INK), palette.rgb(palette.FAINT_INK)
     words = " ".join(result.mission.split())
     title = words if len(words) <= TITLE_LETTERS else words[: TITLE_LETTERS - 1] + "…"
     page.text(EDGE_PX, height_px - 68, title, fontsize=16, fontweight="bold", color=ink, parse_math=False)
@@ -208,7 +208,12 @@ def _draw_foot(page: "Axes", result: RunResult, px_per_m: float, view: View) -> 
     crowded = len(items) > CROWDED_ITEMS
     texts = [
         page.text(
-            0, FOOT_PX / 2, i.label, fontsize=7.5 if crowded else 9, color=_rgb(palette.INK), va="center_baseline"
+            0,
+            FOOT_PX / 2,
+            i.label,
+            fontsize=7.5 if crowded else 9,
+            color=palette.rgb(palette.INK),
+            va="center_baseline",
         )
         for i in items
     ]
@@ -225,23 +230,27 @@ def _draw_foot(page: "Axes", result: RunResult, px_per_m: float, view: View) -> 
 
 def _draw_scale(page: "Axes", x: float, y: float, width_px: float) -> None:
     ends = ([x, x, x, x + width_px, x + width_px, x + width_px], [y + 8, y - 8, y, y, y + 8, y - 8])
-    page.add_line(Line2D(*ends, color=_rgb(palette.INK), linewidth=1.2, solid_capstyle="butt", solid_joinstyle="miter"))
+    page.add_line(
+        Line2D(*ends, color=palette.rgb(palette.INK), linewidth=1.2, solid_capstyle="butt", solid_joinstyle="miter")
+    )
 
 
 def _swatch(colour: palette.Colour) -> Callable[["Axes", float, float], None]:
     def draw(page: "Axes", x: float, y: float) -> None:
-        edge = _rgb(palette.FAINT_INK)
-        page.add_patch(Rectangle((x, y - 13), 26, 26, facecolor=_rgb(colour), edgecolor=edge, linewidth=0.5))
+        edge = palette.rgb(palette.FAINT_INK)
+        page.add_patch(Rectangle((x, y - 13), 26, 26, facecolor=palette.rgb(colour), edgecolor=edge, linewidth=0.5))
 
     return draw
 
 
 def _points_sample(page: "Axes", x: float, y: float) -> None:
-    page.scatter([x + 4, x + 12, x + 21], [y - 3, y + 4, y - 1], s=6, color=_rgb(palette.OCCUPIED_COLOUR), linewidths=0)
+    page.scatter(
+        [x + 4, x + 12, x + 21], [y - 3, y + 4, y - 1], s=6, color=palette.rgb(palette.OCCUPIED_COLOUR), linewidths=0
+    )
 
 
 def _draw_line_sample(page: "Axes", x: float, y: float) -> None:
-    page.add_line(Line2D([x, x + 44], [y, y], color=_rgb(palette.LINE_COLOUR), linewidth=1.8))
+    page.add_line(Line2D([x, x + 44], [y, y], color=palette.rgb(palette.LINE_COLOUR), linewidth=1.8))
 
 
 def _draw_path_sample(page: "Axes", x: float, y: float) -> None:
@@ -253,7 +262,9 @@ def _draw_path_sample(page: "Axes", x: float, y: float) -> None:
 
 def _robot_sample(colour: palette.Colour) -> Callable[["Axes", float, float], None]:
     def draw(page: "Axes", x: float, y: float) -> None:
-        page.add_patch(Circle((x + 17, y), 16, facecolor=_rgb(colour), edgecolor=_rgb(palette.INK), linewidth=0.9))
+        page.add_patch(
+            Circle((x + 17, y), 16, facecolor=palette.rgb(colour), edgecolor=palette.rgb(palette.INK), linewidth=0.9)
+        )
         page.add_patch(_nose(x + 17, y, 0.0, 16, zorder=3))
 
     return draw
@@ -266,7 +277,3 @@ def _duration(span_s: float) -> str:
     if seconds < 7200:
         return f"{seconds // 60} min" + (f" {seconds % 60} s" if seconds % 60 else "")
     return f"{seconds // 3600} h {seconds % 3600 // 60} min"
-
-
-def _rgb(colour: palette.Colour) -> tuple[float, float, float]:
-    return (colour[0] / 255, colour[1] / 255, colour[2] / 255)

@@ -16,7 +16,22 @@ PATH_COLOURS: tuple[Colour, ...] = ((134, 197, 238), (0, 114, 178), (20, 28, 84)
 CORNER_COLOUR: Colour = (204, 121, 167)  # reddish purple of Okabe and Ito
 TARGET_COLOUR: Colour = (0, 158, 115)  # bluish green
 ROBOT_COLOUR: Colour = (240, 196, 25)
+SECOND_LINE_COLOUR: Colour = (0, 114, 178)  # of a second set beside the first
+BEHAVIOUR_COLOURS: tuple[Colour, ...] = (  # Okabe and Ito, the easiest to tell apart first
+    (0, 114, 178),
+    (230, 159, 0),
+    (0, 158, 115),
+    (204, 121, 167),
+    (86, 180, 233),
+    (213, 94, 0),
+    (120, 94, 240),
+)
 EMPTY_GREY, UNKNOWN_GREY, OCCUPIED_GREY = 254, 205, 20
+
+
+def rgb(colour: Colour) -> tuple[float, float, float]:
+    """Return a colour as matplotlib takes it, 0 to 1."""
+    return (colour[0] / 255, colour[1] / 255, colour[2] / 255)
 
 
 def grey_levels() -> npt.NDArray[np.uint8]:

@@ -13,7 +13,6 @@ from blackboard.report.result import RunResult
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Rgb = tuple[float, float, float]
 CORNER_PX = 15.0  # length of a mark's arms
 TARGET_PX = 11.0  # half a diagonal
 ORDER = 5  # above the lines, below the robot
@@ -51,14 +50,10 @@ def _draw_angle(axes: "Axes", x: float, y: float, arms_rad: tuple[float, float],
     first, second = ((x + length * cos(a), y + length * sin(a)) for a in arms_rad)
     xs, ys = (first[0], x, second[0]), (first[1], y, second[1])
     for colour, width in ((palette.PAPER, 3.4), (palette.CORNER_COLOUR, 2.0)):
-        axes.add_line(Line2D(xs, ys, color=_rgb(colour), linewidth=width, solid_joinstyle="miter", zorder=ORDER))
+        axes.add_line(Line2D(xs, ys, color=palette.rgb(colour), linewidth=width, solid_joinstyle="miter", zorder=ORDER))
 
 
 def _draw_diamond(axes: "Axes", x: float, y: float, half: float) -> None:
     ends = [(x - half, y), (x, y + half), (x + half, y), (x, y - half)]
-    face, edge = _rgb(palette.TARGET_COLOUR), _rgb(palette.PAPER)
+    face, edge = palette.rgb(palette.TARGET_COLOUR), palette.rgb(palette.PAPER)
     axes.add_patch(Polygon(ends, closed=True, facecolor=face, edgecolor=edge, linewidth=0.8, zorder=ORDER))
-
-
-def _rgb(colour: palette.Colour) -> Rgb:
-    return (colour[0] / 255, colour[1] / 255, colour[2] / 255)

@@ -13,6 +13,7 @@ from blackboard.grid import KnownPart
 from blackboard.messages.geometry import IDENTITY, Point
 from blackboard.messages.sensing import RobotDescription, SonarSensor
 from blackboard.messages.world import Line
+from blackboard.report.milestones import GridStage, Lead, LineStage, Milestones, Visit
 from blackboard.report.result import RunResult
 
 MakeLine = Callable[..., Entry[Line]]
@@ -96,4 +97,23 @@ def result(
         true_trajectory=path,
         truth=box_truth,
         table={"time_s": 30.0},
+    )
+
+
+@pytest.fixture
+def milestones(result: RunResult) -> Milestones:
+    lower, upper = np.array([[0.0, 0.0, 1.5, 0.0]]), np.array([[0.0, 3.0, 4.0, 3.0]])
+    return Milestones(
+        scans=[GridStage(stamp_s=s, scans=n, grid=result.grid) for s, n in ((0.0, 1), (1.0, 6), (10.0, 51))],
+        raw=np.array([[0.0, 0.0], [0.5, 0.0], [2.0, 2.0]]),
+        filtered=np.array([[0.0, 0.0], [0.5, 0.0]]),
+        first=LineStage(from_s=0.0, stamp_s=10.0, ends=lower, points=500),
+        second=LineStage(from_s=10.0, stamp_s=20.0, ends=upper, points=512),
+        merged=LineStage(from_s=0.0, stamp_s=21.0, ends=np.vstack([lower, upper])),
+        behaviours=["avoid_obstacles", "curiosity", "random_wander"],
+        leads=[Lead(stamp_s=0.0, behaviour="curiosity"), Lead(stamp_s=12.0, behaviour="random_wander")],
+        visits=[
+            Visit(place=Point(x_m=1.0, y_m=1.0), behaviour="target_nav", stamp_s=5.0, outcome="reached"),
+            Visit(place=Point(x_m=3.0, y_m=1.0), behaviour="target_nav", stamp_s=9.0, outcome="blocked"),
+        ],
     )

@@ -16,8 +16,8 @@ def frames(result) -> list[Frame]:
     return [Frame(stamp_s=0.0, pose=Pose(x_m=0.5, y_m=2.0, heading_rad=0.0), trajectory=result.trajectory[:1])]
 
 
-def test_a_simulated_run_leaves_every_file(result, frames, tmp_path):
-    written = write_results(result, tmp_path, frames)
+def test_a_simulated_run_leaves_every_file(result, frames, milestones, tmp_path):
+    written = write_results(result, tmp_path, frames, milestones)
     assert written == sorted(p.name for p in tmp_path.iterdir())
     assert written == sorted(set(FILES) - {"board.jsonl"})
 
@@ -41,16 +41,16 @@ def test_nothing_known_leaves_what_there_is(result, tmp_path, make_grid):
     assert json.loads((tmp_path / "lines.geojson").read_text())["features"] == []
 
 
-def test_the_same_result_gives_the_same_bytes(result, frames, tmp_path):
+def test_the_same_result_gives_the_same_bytes(result, frames, milestones, tmp_path):
     for name in ("one", "two"):
         prepare_output_folder(tmp_path / name)
-        write_results(result, tmp_path / name, frames)
+        write_results(result, tmp_path / name, frames, milestones)
     for path in (tmp_path / "one").iterdir():
         assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes()
 
 
-def test_forcing_replaces_ours_and_keeps_what_is_foreign(result, frames, tmp_path):
-    write_results(result, tmp_path, frames)
+def test_forcing_replaces_ours_and_keeps_what_is_foreign(result, frames, milestones, tmp_path):
+    write_results(result, tmp_path, frames, milestones)
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "board.jsonl").write_text("{}")
     prepare_output_folder(tmp_path, force=True)

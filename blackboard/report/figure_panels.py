@@ -1,0 +1,335 @@
+"""The panels of `figures.png`: which there are for a run, what each draws, and what stands below it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+
+from blackboard.grid import UNKNOWN
+from blackboard.messages.geometry import Point
+from blackboard.report import palette
+from blackboard.report.milestones import Ends, GridStage, Lead, LineStage, Milestones, Points, Visit
+from blackboard.report.result import GridView, RunResult, Trajectory, driven_m, segments
+from blackboard.report.view import View, colours_over, simplified
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Draw = Callable[["Axes", View, float], None]  # on axes over a view, at so many pixels a metre
+Sample = tuple[palette.Colour, str]
+THICK, THIN = 2.0, 1.1  # widths of lines, pt
+PATH_STEP_PX = 2.0
+EARLY, ACCUMULATED = ("6.2 a", "6.2 c"), "6.3"  # figures of the thesis
+NUMBERED_VISITS = 40  # more of them would hide each other
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """One picture of the page: a title, the figure of the thesis that shows the same, what is drawn, and words below."""
+
+    title: str
+    caption: str
+    draw: Draw
+    thesis: str = ""
+    samples: Sequence[Sample] = ()  # colours explained below it
+    early: bool = False  # shows the part of the map that the first two sets of lines cover
+
+
+def panels_of(result: RunResult, milestones: Milestones) -> list[Panel]:
+    """Return the panels that a run has something for, in the thesis's order."""
+    found = [
+        _way_panel(result, milestones),
+        *(_grid_panel(result, stage, thesis) for stage, thesis in _numbered(milestones.scans)),
+        _lines_panel(result, "First 2-D lines", "6.4", milestones.first, palette.LINE_COLOUR),
+        _points_panel("Raw points", "6.5", milestones.raw, "echoes, on the axes of their cones"),
+        _points_panel("Filtered points", "6.6", milestones.filtered, "of them that the grid bears out"),
+        _lines_panel(result, "Second 2-D lines", "6.7", milestones.second, palette.SECOND_LINE_COLOUR),
+        *_both_panels(milestones),
+        _targets_panel(result, milestones),
+        _end_panel(result),
+    ]
+    return [panel for panel in found if panel is not None]
+
+
+def _way_panel(result: RunResult, milestones: Milestones) -> Panel | None:
+    path = result.trajectory
+    if len(path) < 2:
+        return None
+    told = f"{driven_m(path):.0f} m in {path[-1, 0] - path[0, 0]:.0f} s"
+    times = led_s(milestones.leads, float(path[-1, 0]))
+    order = [name for name in milestones.behaviours if name in times]
+    colours = {name: palette.BEHAVIOUR_COLOURS[i % len(palette.BEHAVIOUR_COLOURS)] for i, name in enumerate(order)}
+
+    def draw(axes: "Axes", view: View, px_per_m: float) -> None:
+        if result.grid is not None:
+            draw_grid(axes, result.grid, view, faint=True)
+        if not order:
+            draw_path(axes, path, px_per_m)
+            return
+        for name, piece in pieces_by_lead(path, milestones.leads):
+            kept = piece[simplified(piece[:, 1:3], PATH_STEP_PX / px_per_m)]
+            colour = palette.rgb(colours.get(name, palette.FAINT_INK))
+            axes.add_line(Line2D(kept[:, 1], kept[:, 2], color=colour, linewidth=1.2, solid_capstyle="round", zorder=3))
+
+    samples = [(colours[name], f"{name.replace('_', ' ')} {times[name]:.0f} s") for name in order]
+    title = "Way under the behaviours" if order else "Way"
+    return Panel(title=title, thesis="6.1", caption=told, draw=draw, samples=samples)
+
+
+def _numbered(stages: Sequence[GridStage]) -> list[tuple[GridStage, str]]:
+    """Return the grids with the figures of the thesis that show the same: early ones, then the one that they lead to."""
+    early = [*EARLY[: len(stages) - 1], ACCUMULATED] if stages else []
+    return list(zip(stages, early, strict=True))
+
+
+def _grid_panel(result: RunResult, stage: GridStage, thesis: str) -> Panel:
+    known_m2 = int((stage.grid.cells != UNKNOWN).sum()) * stage.grid.cell_m**2
+    until = result.trajectory[result.trajectory[:, 0] <= stage.stamp_s] if len(result.trajectory) else result.trajectory
+
+    contrast = 1.0 if thesis == ACCUMULATED else contrast_of(stage.grid)
+
+    def draw(axes: "Axes", view: View, px_per_m: float) -> None:
+        draw_grid(axes, stage.grid, view, contrast=contrast)
+        if len(until) > 1:
+            draw_path(axes, until, px_per_m)
+
+    scans = "the first scan" if stage.scans == 1 else f"{stage.scans} scans"
+    return Panel(
+        title=f"Grid after {scans}",
+        thesis=thesis,
+        caption=f"at {_seconds(stage.stamp_s)}, {known_m2:.1f} m²"
+        + (f", contrast {contrast:.0f} times" if contrast > 1.5 else ""),
+        draw=draw,
+        early=True,
+    )
+
+
+def _lines_panel(
+    result: RunResult, title: str, thesis: str, stage: LineStage | None, colour: palette.Colour
+) -> Panel | None:
+    if stage is None:
+        return None
+    stamps = result.trajectory[:, 0]
+    way = result.trajectory[(stamps >= stage.from_s) & (stamps <= stage.stamp_s)]
+
+    def draw(axes: "Axes", view: View, px_per_m: float) -> None:
+        if len(way) > 1:
+            draw_path(axes, way, px_per_m)
+        draw_lines(axes, stage.ends, colour, THICK)
+
+    return Panel(
+        title=title,
+        thesis=thesis,
+        caption=f"{_lines_told(stage)}, {stage.points:,} points, {stage.from_s:.0f} to {stage.stamp_s:.0f} s",
+        draw=draw,
+        early=True,
+    )
+
+
+def _points_panel(title: str, thesis: str, points: Points | None, told: str) -> Panel | None:
+    if points is None:
+        return None
+    return Panel(
+        title=title,
+        thesis=thesis,
+        caption=f"{len(points):,} {told}",
+        draw=lambda axes, view, px_per_m: draw_points(axes, points),
+        early=True,
+    )
+
+
+def _both_panels(milestones: Milestones) -> list[Panel]:
+    first, second, merged = milestones.first, milestones.second, milestones.merged
+    if first is None or second is None:
+        return []
+    samples = [(palette.LINE_COLOUR, "first"), (palette.SECOND_LINE_COLOUR, "second")]
+
+    def both(axes: "Axes", width: float, shade: float) -> None:
+        draw_lines(axes, first.ends, lighter(palette.LINE_COLOUR, shade), width)
+        draw_lines(axes, second.ends, lighter(palette.SECOND_LINE_COLOUR, shade), width)
+
+    panels = [
+        Panel(
+            title="First and second lines",
+            thesis="6.8",
+            caption=f"{len(first.ends)} and {len(second.ends)} lines",
+            draw=lambda axes, view, px_per_m: both(axes, THIN, 0.0),
+            samples=samples,
+            early=True,
+        )
+    ]
+    if merged is not None:
+
+        def all_three(axes: "Axes", view: View, px_per_m: float) -> None:
+            both(axes, 2.6, 0.55)
+            draw_lines(axes, merged.ends, palette.INK, THIN)
+
+        panels.append(
+            Panel(
+                title="Merged lines over both",
+                thesis="6.9",
+                caption=f"{_lines_told(merged)} at {merged.stamp_s:.0f} s",
+                draw=all_three,
+                samples=[(palette.INK, "merged"), *samples],
+                early=True,
+            )
+        )
+    return panels
+
+
+def _targets_panel(result: RunResult, milestones: Milestones) -> Panel | None:
+    visits = milestones.visits
+    if not visits and not result.targets:
+        return None
+    counts = {outcome: sum(v.outcome == outcome for v in visits) for outcome in ("reached", "blocked", "underway")}
+    told = [f"{counts['reached']} reached", f"{counts['blocked']} not reached"] if visits else []
+    told += [f"{counts['underway']} broken off"] if counts["underway"] else []
+    told += [f"{len(result.targets)} open at the end"]
+
+    def draw(axes: "Axes", view: View, px_per_m: float) -> None:
+        if result.grid is not None:
+            draw_grid(axes, result.grid, view, faint=True)
+        for target in result.targets:
+            _draw_diamond(axes, target.place, 34, "none", palette.TARGET_COLOUR, 1.1)
+        draw_visits(axes, visits)
+
+    return Panel(
+        title="Targets, in the order of the visits" if visits else "Targets",
+        caption=", ".join(told),
+        draw=draw,
+        samples=[(palette.TARGET_COLOUR, "reached"), (palette.LINE_COLOUR, "not reached")] if visits else (),
+    )
+
+
+def _end_panel(result: RunResult) -> Panel | None:
+    if result.grid is None:
+        return None
+    known_m2 = int((result.grid.cells != UNKNOWN).sum()) * result.grid.cell_m**2
+    lines = segments_of(result)
+    grid = result.grid
+
+    def draw(axes: "Axes", view: View, px_per_m: float) -> None:
+        draw_grid(axes, grid, view)
+        draw_lines(axes, lines, palette.LINE_COLOUR, THIN)
+
+    return Panel(title="The map at the end", caption=f"{known_m2:.0f} m², {len(lines)} lines", draw=draw)
+
+
+# What is drawn
+
+
+def draw_grid(axes: "Axes", grid: GridView, view: View, *, faint: bool = False, contrast: float = 1.0) -> None:
+    """Draw the grid's part within the view; `faint`, as a ground for other things; `contrast`, how much farther from unknown."""
+    values = np.clip(np.rint((np.arange(256) - UNKNOWN) * contrast) + UNKNOWN, 0, 255).astype(int)
+    colours = palette.cell_colours()[values]
+    if faint:
+        colours = np.rint(255 - (255 - colours.astype(np.float64)) * 0.45).astype(np.uint8)
+    picture, covered = colours_over(grid, view, colours)
+    if picture.size:
+        extent = (covered.x_min_m, covered.x_max_m, covered.y_min_m, covered.y_max_m)
+        axes.set_facecolor(palette.rgb(tuple(colours[UNKNOWN].tolist())))
+        axes.imshow(picture, extent=extent, interpolation="nearest", aspect="auto", zorder=1)
+
+
+def draw_path(axes: "Axes", path: Trajectory, px_per_m: float) -> None:
+    """Draw a way from light to dark, and where it ends."""
+    kept = path[simplified(path[:, 1:3], PATH_STEP_PX / px_per_m)]
+    span_s = max(float(path[-1, 0] - path[0, 0]), 1e-9)
+    colours = palette.path_colours((kept[1:, 0] - path[0, 0]) / span_s)
+    pieces = np.stack([kept[:-1, 1:3], kept[1:, 1:3]], axis=1)
+    axes.add_collection(LineCollection(list(pieces), colors=list(colours), linewidths=1.0, capstyle="round", zorder=3))
+    face, edge = palette.rgb(palette.ROBOT_COLOUR), palette.rgb(palette.INK)
+    axes.scatter(path[-1:, 1], path[-1:, 2], s=16, color=face, edgecolor=edge, linewidths=0.7, zorder=5)
+
+
+def draw_lines(axes: "Axes", ends: Ends, colour: palette.Colour, width: float) -> None:
+    """Draw lines by their ends."""
+    pieces = list(ends.reshape(-1, 2, 2))
+    axes.add_collection(
+        LineCollection(pieces, colors=[palette.rgb(colour)], linewidths=width, capstyle="round", zorder=4)
+    )
+
+
+def draw_points(axes: "Axes", points: Points) -> None:
+    """Draw points."""
+    axes.scatter(points[:, 0], points[:, 1], s=1.6, color=palette.rgb(palette.OCCUPIED_COLOUR), linewidths=0, zorder=3)
+
+
+def draw_visits(axes: "Axes", visits: Sequence[Visit]) -> None:
+    """Draw the places that the robot was asked to go to, numbered in that order, by what became of them."""
+    looks = {"reached": palette.TARGET_COLOUR, "blocked": palette.LINE_COLOUR, "underway": palette.FAINT_INK}
+    words = {"fontsize": 4.6, "color": palette.rgb(palette.PAPER), "ha": "center", "va": "center_baseline", "zorder": 7}
+    for number, visit in enumerate(visits, 1):
+        _draw_diamond(axes, visit.place, 52, palette.rgb(looks[visit.outcome]), palette.PAPER, 0.7)
+        if len(visits) <= NUMBERED_VISITS:
+            axes.text(visit.place.x_m, visit.place.y_m, str(number), **words)
+
+
+def _draw_diamond(axes: "Axes", place: Point, size: float, face: Any, edge: palette.Colour, width: float) -> None:
+    axes.scatter(
+        [place.x_m],
+        [place.y_m],
+        s=size,
+        marker="D",
+        facecolor=face,
+        edgecolor=palette.rgb(edge),
+        linewidths=width,
+        zorder=6,
+    )
+
+
+# What is told
+
+
+def led_s(leads: Sequence[Lead], end_s: float) -> dict[str, float]:
+    """Return for how long each behaviour led until `end_s`."""
+    times: dict[str, float] = {}
+    stamps = [lead.stamp_s for lead in leads] + [end_s]
+    for lead, until_s in zip(leads, stamps[1:], strict=True):
+        if lead.behaviour:
+            times[lead.behaviour] = times.get(lead.behaviour, 0.0) + max(0.0, until_s - lead.stamp_s)
+    return {name: time_s for name, time_s in times.items() if time_s > 0}
+
+
+def pieces_by_lead(path: Trajectory, leads: Sequence[Lead]) -> list[tuple[str, Trajectory]]:
+    """Return the way in pieces, each with the behaviour that led there; a piece begins where the one before it ends."""
+    starts = np.array([lead.stamp_s for lead in leads])
+    cuts = [0, *np.searchsorted(path[:, 0], starts).tolist(), len(path)]
+    names = ["", *(lead.behaviour for lead in leads)]
+    return [
+        (name, path[max(0, first - 1) : past])
+        for name, (first, past) in zip(names, pairwise(cuts), strict=True)
+        if past > first and past - max(0, first - 1) > 1
+    ]
+
+
+def contrast_of(grid: GridView) -> float:
+    """Return how much farther from unknown the cells may be shown: until the surest tenth of the occupied ones is black."""
+    surer = grid.cells[grid.cells > UNKNOWN]
+    if not len(surer):
+        return 1.0
+    return max(1.0, (255 - UNKNOWN) / (float(np.percentile(surer, 90)) - UNKNOWN))
+
+
+def lighter(colour: palette.Colour, fraction: float) -> palette.Colour:
+    """Return a colour mixed with paper."""
+    red, green, blue = (round(a + (b - a) * fraction) for a, b in zip(colour, palette.PAPER, strict=True))
+    return (red, green, blue)
+
+
+def segments_of(result: RunResult) -> Ends:
+    """Return the ends of the lines at the end."""
+    return segments([entry.value for entry in result.lines])
+
+
+def _lines_told(stage: LineStage) -> str:
+    length_m = float(np.hypot(stage.ends[:, 2] - stage.ends[:, 0], stage.ends[:, 3] - stage.ends[:, 1]).sum())
+    return f"{len(stage.ends)} line{'' if len(stage.ends) == 1 else 's'}, {length_m:.1f} m"
+
+
+def _seconds(stamp_s: float) -> str:
+    return f"{stamp_s:.1f} s" if stamp_s < 10 else f"{stamp_s:.0f} s"
