@@ -7,7 +7,8 @@ import pytest
 from PIL import Image
 
 from blackboard.report import palette
-from blackboard.report.figure_panels import contrast_of, led_s, panels_of, pieces_by_lead
+from blackboard.report.figure_drawing import contrast_of
+from blackboard.report.figure_panels import led_s, panels_of, pieces_by_lead
 from blackboard.report.figures import figures_page, write_figures
 from blackboard.report.milestones import Lead, Milestones
 
