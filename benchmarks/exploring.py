@@ -1,11 +1,13 @@
 """Exploring to the end: does it finish by itself, what has it decided of the floor, did it touch anything, how long did it take.
 
-python benchmarks/exploring.py [--mission M] [--world W ...] [--seeds N] [--first N] [--duration S] [--reflexes] [--jobs 1|2]
+python benchmarks/exploring.py [--mission M] [--world W ...] [--seeds N] [--duration S] [--reflexes] [--disturbed] [--jobs N]
 
 One row a seed: how the mission ended and when, the share of the reachable floor that the grid decided (docs/outputs.md),
 contacts that the robot caused, the largest and the last error of its pose, the run's pace (simulated seconds a second of CPU,
 journal written, no pictures). With --reflexes beside each run the same mission without its rules, for the same time: curiosity,
-boundary following and random wander are selected, and nothing decides. Odometry errors are on; with --set
+boundary following and random wander are selected, and nothing decides. With --disturbed a chair is put in the robot's way, a
+person stands in a passage for a minute, and a door closes for good, at times and places drawn with the seed
+(sim/disturbances.py); what can be reached is then what can be from where the robot ends. Odometry errors are on; with --set
 robot.drawn_odometry=true each seed has wheels of its own.
 """
 
@@ -46,6 +48,7 @@ class Outcome:
     error_max_m: float
     error_last_m: float
     ends: tuple[float, float]  # where the robot stands, m
+    disturbances: str
 
 
 def without_rules(mission: Mission) -> Mission:
@@ -82,6 +85,7 @@ def explore(mission: Mission, duration_s: float, seed: int) -> Outcome:
         error_max_m=float(result.table["pose_error_max_m"]),
         error_last_m=hypot(float(believed[-1, 1]) - x_m, float(believed[-1, 2]) - y_m),
         ends=(x_m, y_m),
+        disturbances=str(result.table.get("disturbances", "")),
     )
 
 
@@ -103,6 +107,7 @@ def row(seed: int, outcome: Outcome, alone: Outcome | None) -> str:
     if alone is not None:
         beside = f"{100 * alone.decided_fraction:20.1f}{alone.collisions:12}"
     told = "" if outcome.state == "done" else f"  {outcome.detail}"
+    told += f"  {outcome.disturbances}" if outcome.disturbances else ""
     return (
         f"{seed:4}  {outcome.state:12}{outcome.time_s:9.1f}{100 * outcome.decided_fraction:12.1f}{outcome.collisions:12}"
         f"{outcome.error_max_m:14.2f}{outcome.error_last_m:6.2f}{outcome.time_s / outcome.seconds:9.0f} |{beside} |"
@@ -142,6 +147,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--duration", type=float, default=3600.0, metavar="S", help="given up then")
     parser.add_argument("--reflexes", action="store_true", help="also without rules, for the same time")
+    parser.add_argument("--disturbed", action="store_true", help="with a chair, a person and a door in the way")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--jobs", type=int, default=MOST_JOBS, choices=range(1, MOST_JOBS + 1))
     options = parser.parse_args()
@@ -149,6 +155,8 @@ def main() -> None:
     seeds = range(options.first, options.first + options.seeds)
     for world in options.world:
         robot = {"odometry_errors": True, **settings.get("robot", {}), "world": world}
+        if options.disturbed:
+            robot["disturbances"] = ["chair", "person", "door"]
         mission = load_mission(find_mission(options.mission), {**settings, "robot": robot})
         print(f"{options.mission} in {world}, {options.seeds} seeds {' '.join(options.set)}\n{HEAD}", flush=True)
         outcomes = []

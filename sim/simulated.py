@@ -25,6 +25,7 @@ from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.messages.motion import Drive
 from blackboard.messages.sensing import Battery, Bumper, LaserScan, Odometry, RobotDescription, SonarScan
 from blackboard.parameters import require
+from sim.disturbances import Disturbance, Disturber
 from sim.drive import Base
 from sim.laser import laser_sweep, sweep_ranges
 from sim.odometer import Odometer, drawn
@@ -32,9 +33,10 @@ from sim.people import Walker
 from sim.robot_file import load_robot
 from sim.ros_map import load_ros_map
 from sim.sensor_models import TICKS_PER_S
-from sim.shapes import Floats, Neighbourhood, Shapes
+from sim.shapes import Floats, Shapes
 from sim.shipped import find_file
 from sim.sonar import fire, sonar_fans, true_echoes
+from sim.surroundings import Surroundings
 from sim.world import World
 from sim.world_file import load_world_file
 
@@ -47,6 +49,9 @@ class SimulatedRobotParams:
     robot: Path = Path("k2a")
     people: bool = False  # those whom the world knows walk in it
     odometry_errors: bool = True  # off: the wheels tell the truth
+    disturbances: tuple[
+        Disturbance, ...
+    ] = ()  # of "chair", "person", "door": what gets in its way, drawn with the seed
     drawn_odometry: bool = False  # each run has wheels of its own: the robot's scales and drift are sigmas to draw from
     start_x_m: float | None = None  # together with start_y_m; else the world's start, else where there is most room
     start_y_m: float | None = None
@@ -77,8 +82,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
     def __init__(self, params: SimulatedRobotParams, *, name: str, seed: int = 0) -> None:
         super().__init__(params, name=name, seed=seed)
         self._model = load_robot(params.robot)
-        self._first_world = self._world = load_world(params.world)
-        self._later = self._world.later
+        self._first_world = load_world(params.world)
         self._description = self._model.description()
         self._start = self._start_pose()
         self._entropy = int(self.rng.integers(2**62))
@@ -104,20 +108,23 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
 
     def reset(self) -> None:
         """Begin anew: the same again."""
-        self._world, self._later = self._first_world, self._first_world.later
-        model, shapes = self._model, self._world.shapes
+        model, world = self._model, self._first_world
         errors = model.odometry if self.params.odometry_errors else None
         if errors is not None and self.params.drawn_odometry:
             errors = drawn(errors, self._random(3))
-        self._base = Base(model.body, shapes, self._start)
+        self._base = Base(model.body, world.shapes, self._start)
         self._odometer = Odometer(self._start, errors, self._random(0))
         self._sonar_rng, self._laser_rng = self._random(1), self._random(2)
-        people = self._world.people if self.params.people else ()
-        self._walkers = [Walker(person, self._random(10 + i)) for i, person in enumerate(people)]
-        self._reach_m = model.body.radius_m + max(
+        people = world.people if self.params.people else ()
+        walkers = [Walker(person, self._random(10 + i)) for i, person in enumerate(people)]
+        reach_m = model.body.radius_m + max(
             [0.0, *(s.max_range_m for s in self._description.sonars), *(laser.max_range_m for laser in model.lasers)]
         )
-        self._sensed = Neighbourhood(shapes, self._reach_m)
+        disturber = None
+        if self.params.disturbances:
+            body = model.body
+            disturber = Disturber(self.params.disturbances, world, body.radius_m, body.max_speed_mps, self._random(4))
+        self._around = Surroundings(world, walkers, reach_m, disturber)
         self._tick = -1
         self._due: dict[tuple[str, int], int] = {}
         self._late: list[tuple[int, Reading[Any]]] = []
@@ -135,8 +142,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         for tick in range(self._tick + 1, floor(until_s * TICKS_PER_S + 1e-6) + 1):
             self._tick = tick
             if tick:
-                self._change_world(tick / TICKS_PER_S)
-                self._move()
+                self._move(tick / TICKS_PER_S)
             self._sense(tick, readings)
         return iter(readings)
 
@@ -145,34 +151,36 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
 
     def people_at(self) -> list[tuple[float, float, float]]:
         """Return where people stand, for pictures and scores: x m, y m, radius m."""
-        return [(w.x_m, w.y_m, w.person.radius_m) for w in self._walkers]
+        return self._around.people_at()
 
     def truth(self) -> WorldTruth:
-        return self._world.truth()
+        return self._around.world.truth()
 
     def summary(self) -> dict[str, float | int | str]:
         contacts = self._base.contacts
-        return {
+        table: dict[str, float | int | str] = {
             "distance_m": round(self._base.distance_m, 3),
             "collisions": contacts.caused,
             "touched_by_others": contacts.by_others,
             "sonar_echoes_lost": self._echoes_lost,
             "sonar_cross_talk": self._cross_talk,
         }
+        disturber = self._around.disturber
+        return table if disturber is None else {**table, "disturbances": disturber.told()}
 
     def _start_pose(self) -> Pose:
         params, heading = self.params, self.params.start_heading_rad
         wanted = None
         if params.start_x_m is not None and params.start_y_m is not None:
             wanted = Pose(x_m=params.start_x_m, y_m=params.start_y_m, heading_rad=0.0)
-        pose = self._world.start_pose(wanted, self._model.body.radius_m)
+        pose = self._first_world.start_pose(wanted, self._model.body.radius_m)
         if heading is not None:
             pose = Pose(x_m=pose.x_m, y_m=pose.y_m, heading_rad=wrap_angle(heading))
-        for number, person in enumerate(self._world.people if params.people else (), 1):
+        for number, person in enumerate(self._first_world.people if params.people else (), 1):
             away_m = pose.distance_m(Pose(x_m=person.path[0][0], y_m=person.path[0][1], heading_rad=0.0))
             if away_m < self._model.body.radius_m + person.radius_m + 0.01:
                 raise MissionError(
-                    f"{self._world.name}: [[person]] {number} starts where the robot starts; move one of them"
+                    f"{self._first_world.name}: [[person]] {number} starts where the robot starts; move one of them"
                 )
         return pose
 
@@ -180,28 +188,11 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         """Return random numbers of their own for a part, so that one part's draws change no other's."""
         return np.random.default_rng([self._entropy, stream])
 
-    def _change_world(self, now_s: float) -> None:
-        """Put down and take away what is due; nothing is put down on the robot or on people, but once they have left."""
-        if not self._later or now_s < self._later[0][0]:
-            return
-        world = self._later[0][1]
-        people = ((w.x_m, w.y_m, w.person.radius_m) for w in self._walkers)
-        if all(_fits_in(world.shapes, *person) for person in people) and self._base.stand_in(world.shapes):
-            self._world = world
-            self._later = self._later[1:]
-            self._sensed = Neighbourhood(self._world.shapes, self._reach_m)
-
-    def _fits(self, x_m: float, y_m: float, radius_m: float) -> bool:
-        return _fits_in(self._world.shapes, x_m, y_m, radius_m)
-
-    def _move(self) -> None:
-        base, body = self._base, self._model.body
+    def _move(self, now_s: float) -> None:
         dt = 1.0 / TICKS_PER_S
-        fits = self._fits if self._first_world.later else None  # else every way was checked when the world was read
-        for walker in self._walkers:
-            walker.walk(dt, base.x_m, base.y_m, body.radius_m, fits)
+        self._around.pass_time(now_s, dt, self._base, self._model.body.radius_m)
         forward, turn = self._wanted if self._charge_fraction > 0.0 else (0.0, 0.0)
-        base.step(dt, forward, turn, self._walkers)
+        self._base.step(dt, forward, turn, self._around.walkers)
 
     def _sense(self, tick: int, readings: list[Reading[Any]]) -> None:
         """Append what comes now: what was delayed, then odometry, bumper, lasers, sonars, battery."""
@@ -220,10 +211,10 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         sensed: Shapes | None = None
         for number, laser in enumerate(model.lasers):
             if self._is_due("laser", number, laser.rate_hz, tick):
-                sensed = sensed or self._surroundings()
+                sensed = sensed or self._around.seen_from(self._base.x_m, self._base.y_m)
                 self._give(readings, Reading(LASER_SCAN, stamp_s, self._read_laser(number, sensed)), laser.latency_s)
         if model.sonar is not None and self._is_due("sonar", 0, model.sonar.rate_hz, tick):
-            sensed = sensed or self._surroundings()
+            sensed = sensed or self._around.seen_from(self._base.x_m, self._base.y_m)
             self._give(readings, Reading(SONAR_SCAN, stamp_s, self._read_sonar(sensed)), model.sonar.latency_s)
         if self._is_due("battery", 0, model.battery.rate_hz, tick):
             used = stamp_s / model.battery.standing_s + self._base.distance_m / model.battery.driving_m
@@ -243,10 +234,6 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
             self._late.append((self._tick + round(latency_s * TICKS_PER_S), reading))
         else:
             readings.append(reading)
-
-    def _surroundings(self) -> Shapes:
-        shapes = self._sensed.at(self._base.x_m, self._base.y_m)
-        return shapes.with_rough_circles(np.array(self.people_at()).T) if self._walkers else shapes
 
     def _read_odometry(self) -> Odometry:
         base = self._base
@@ -285,11 +272,6 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._echoes_lost += int(echoes.lost.sum())
         self._cross_talk += int(echoes.cross_talk.sum())
         return SonarScan(sensors=tuple(range(len(echo))), ranges_m=_told(echoes.ranges_m))
-
-
-def _fits_in(shapes: Shapes, x_m: float, y_m: float, radius_m: float) -> bool:
-    """Say whether a person has room at a place; brushing along a wall is no fault."""
-    return float(shapes.distances_m(x_m, y_m)[0].min(initial=inf)) >= 0.99 * radius_m
 
 
 def _told(ranges_m: Floats) -> tuple[float | None, ...]:

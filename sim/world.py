@@ -1,6 +1,7 @@
 """A world: the floor, what stands on it, who walks there, and where the robot starts."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -30,6 +31,7 @@ class World:
     free: BaseGeometry
     circles: Floats  # (c, 3): x, y, radius
     shapes: Shapes
+    rough_things: BaseGeometry = field(default_factory=shapely.Polygon)  # what of the boundary of `free` is rough
     people: tuple[Person, ...] = ()
     start: Pose | None = None
     later: "tuple[tuple[float, World], ...]" = ()
@@ -45,6 +47,19 @@ class World:
             return self.free
         round_things = shapely.buffer(shapely.points(self.circles[:, :2]), self.circles[:, 2], quad_segs=16)
         return self.free.difference(shapely.union_all(round_things))
+
+    def with_things(self, solids: Sequence[BaseGeometry], circles: Sequence[tuple[float, float, float]]) -> "World":
+        """Return this world with more in it: smooth solids, and rough circles (x, y, radius)."""
+        world = self
+        if solids:
+            free = shapely.difference(self.free, shapely.union_all(solids), grid_size=PRECISION_M)
+            shapes = shapes_around(free, self.rough_things, self.circles, self.shapes.circle_rough)
+            world = replace(self, free=free, shapes=shapes)
+        if circles:
+            rows = np.array(circles, dtype=np.float64)
+            shapes = world.shapes.with_rough_circles(rows.T)
+            world = replace(world, circles=np.concatenate((world.circles, rows)), shapes=shapes)
+        return world
 
     def start_pose(self, wanted: Pose | None, radius_m: float) -> Pose:
         """Return where a robot of this radius starts: where it is wanted, where the world says, or where there is most room.
@@ -88,7 +103,16 @@ def make_world(
     if free.is_empty or free.area < 1e-4:
         raise MissionError(f"{name}: no floor is free; take things away or make the floor larger")
     shapes = shapes_around(free, rough_things, circles, circle_rough)
-    return World(name=name, floor=floor, free=free, circles=circles, shapes=shapes, people=people, start=start)
+    return World(
+        name=name,
+        floor=floor,
+        free=free,
+        circles=circles,
+        shapes=shapes,
+        rough_things=rough_things,
+        people=people,
+        start=start,
+    )
 
 
 def free_place(open_floor: BaseGeometry) -> Pose:
