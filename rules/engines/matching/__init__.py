@@ -1,0 +1,1 @@
+"""Facts matched against conditions: a Rete network with hash-indexed joins and CLIPS's semantics, under experta's engine."""
