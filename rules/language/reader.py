@@ -1,7 +1,7 @@
 """Rule files to a Program: all files together, every fault found told with its place.
 
-`read_program` takes files, `read_text` a text; `templates` are those that follow from the board's vocabulary. Constructs may use
-each other in any order. Raises RuleErrors.
+`read_program` takes files, `read_text` and `read_texts` what stands in them; `templates` are those that follow from the board's
+vocabulary. Constructs may use each other in any order. Raises RuleErrors.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -39,8 +39,16 @@ def read_program(paths: Iterable[Path | str], templates: Sequence[Template] = ()
 
 def read_text(text: str, file: str = "<text>", templates: Sequence[Template] = ()) -> Program:
     """Read the text of one rule file; `file` is its name in positions."""
+    return read_texts({file: text}, templates)
+
+
+def read_texts(texts: Mapping[str, str], templates: Sequence[Template] = ()) -> Program:
+    """Read the texts of several rule files, by the files' names, as one program."""
     faults: list[RuleError] = []
-    return _program(list(top_forms(tokens(text, file, faults), faults)), templates, faults)
+    forms: list[Form] = []
+    for file, text in texts.items():
+        forms += top_forms(tokens(text, file, faults), faults)
+    return _program(forms, templates, faults)
 
 
 def _program(forms: Sequence[Form], given: Sequence[Template], faults: list[RuleError]) -> Program:
