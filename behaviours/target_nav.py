@@ -33,7 +33,7 @@ class TargetNavParams:
     slow_m: float = 0.5  # within this of the target the vector gets shorter
     reached_m: float = 0.2  # about as well as the pose is known, and inside the robot's own radius
     nearer_m: float = 0.25  # so much nearer than ever before is progress
-    patience_s: float = 30.0  # without progress for so long it is blocked: twice what going round a table takes
+    patience_s: float = 30.0  # without progress for so long it is blocked: twice what going round a chair takes
 
     def __post_init__(self) -> None:
         require(0.4 <= self.amplitude < 1.0, "amplitude", self.amplitude, "[0.4, 1)")
