@@ -11,6 +11,7 @@ an obstacle; where somebody stands in the way the robot waits, and after a while
 elsewhere or give up is for rules to say.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import atan2, cos, hypot, sin
@@ -22,9 +23,9 @@ from blackboard.access import Access
 from blackboard.component import Behaviour, Progress
 from blackboard.entry import Entry
 from blackboard.kinds import ROUTE
-from blackboard.messages.geometry import Point, Pose
-from blackboard.messages.motion import Response
-from blackboard.messages.routes import Route
+from blackboard.messages.geometry import Pose
+from blackboard.messages.motion import Response, Switch
+from blackboard.messages.routes import Route, WayPoint
 from blackboard.parameters import require
 
 SAME_GOAL_M = 1e-6
@@ -32,6 +33,14 @@ NO_WAY = "no way there is known"
 NO_ROUTE = "nobody says a way"
 
 Place = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """What of a way is left: its point nearest to the robot and the points after it, and the room from each to the next."""
+
+    places: tuple[Place, ...]
+    room_m: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,6 +51,10 @@ class PathFollowingParams:
     ahead_m: float = 0.4  # to the point that it goes for: cuts corners by less than a third of that
     slow_m: float = 0.5  # within this of the end the vector gets shorter
     reached_m: float = 0.2  # about as well as the pose is known, and inside the robot's own radius
+    narrow_m: float = 0.3  # where things lie so near to the rim, avoid-obstacles may let nobody through
+    narrow_ahead_m: float = 0.6  # begins so far before a narrow place: from there its sides push back
+    narrow_gain: float = 0.1  # of avoid-obstacles there: it still keeps to the middle, and the safety layer keeps off
+    avoid: str = "avoid_obstacles"  # whose gain that is; "" for nobody's
     nearer_m: float = 0.25  # so much less of the way left than ever before is progress
     patience_s: float = 20.0  # without progress or without a way for so long it is blocked: longer than people pass by
 
@@ -50,12 +63,15 @@ class PathFollowingParams:
         require(0.1 <= self.ahead_m <= 5.0, "ahead_m", self.ahead_m, "[0.1, 5]")
         require(0.01 <= self.slow_m <= 10.0, "slow_m", self.slow_m, "[0.01, 10]")
         require(0.02 <= self.reached_m <= 5.0, "reached_m", self.reached_m, "[0.02, 5]")
+        require(0.0 <= self.narrow_m <= 2.0, "narrow_m", self.narrow_m, "[0, 2]")
+        require(0.0 <= self.narrow_ahead_m <= 5.0, "narrow_ahead_m", self.narrow_ahead_m, "[0, 5]")
+        require(0.0 <= self.narrow_gain <= 1.0, "narrow_gain", self.narrow_gain, "[0, 1]")
         require(0.05 <= self.nearer_m <= 10.0, "nearer_m", self.nearer_m, "[0.05, 10]")
         require(1.0 <= self.patience_s <= 3600.0, "patience_s", self.patience_s, "[1, 3600]")
 
 
-def left_of_way(way: tuple[Point, ...], place: Place) -> list[Place]:
-    """Return what of a way is left: its point nearest to a place, and the corners after it."""
+def left_of_way(way: tuple[WayPoint, ...], place: Place) -> Left:
+    """Return what of a way is left from the point of it that lies nearest to a place."""
     best_m2 = float("inf")
     best: Place = (way[-1].x_m, way[-1].y_m)
     after = len(way)
@@ -68,10 +84,11 @@ def left_of_way(way: tuple[Point, ...], place: Place) -> list[Place]:
         away_m2 = (x - place[0]) ** 2 + (y - place[1]) ** 2
         if away_m2 <= best_m2:  # of two that are as near the later one: ways do not lead back
             best_m2, best, after = away_m2, (x, y), i + 1
-    return [best, *((p.x_m, p.y_m) for p in way[after:])]
+    rest = way[after:]
+    return Left((best, *((p.x_m, p.y_m) for p in rest)), tuple(p.room_m for p in way[after - 1 :]))
 
 
-def point_ahead(left: list[Place], ahead_m: float) -> Place:
+def point_ahead(left: tuple[Place, ...], ahead_m: float) -> Place:
     """Return the point of a way that lies `ahead_m` along it, or its end."""
     for (ax, ay), (bx, by) in pairwise(left):
         step_m = hypot(bx - ax, by - ay)
@@ -82,7 +99,7 @@ def point_ahead(left: list[Place], ahead_m: float) -> Place:
     return left[-1]
 
 
-def length_m(left: list[Place]) -> float:
+def length_m(left: tuple[Place, ...]) -> float:
     """Return how long a way is."""
     return sum(hypot(bx - ax, by - ay) for (ax, ay), (bx, by) in pairwise(left))
 
@@ -100,6 +117,17 @@ def waited(approach: Approach, now_s: float) -> Approach:
     return replace(approach, asked_s=now_s, waited_s=approach.waited_s + step_s, remaining_m=None)
 
 
+def least_room_m(left: Left, ahead_m: float) -> float:
+    """Return the least room on the next `ahead_m` of a way."""
+    least_m, gone_m = left.room_m[0], 0.0
+    for (a, b), room_m in zip(pairwise(left.places), left.room_m, strict=False):
+        if gone_m > ahead_m:
+            break
+        least_m = min(least_m, room_m)
+        gone_m += hypot(b[0] - a[0], b[1] - a[1])
+    return least_m
+
+
 class PathFollowing(Behaviour[PathFollowingParams]):
     """Goes along the route that the board holds for its goal."""
 
@@ -114,6 +142,7 @@ class PathFollowing(Behaviour[PathFollowingParams]):
         self._approach = Approach()
         self._followed: Route | None = None
         self._detail = ""
+        self._narrow = False
 
     def select(self, parameters: tuple[float | str, ...]) -> None:
         self._goal = None
@@ -131,7 +160,9 @@ class PathFollowing(Behaviour[PathFollowingParams]):
             self._approach = waited(self._approach, now_s)
             return None
         left = left_of_way(route.way, (pose.x_m, pose.y_m))
-        remaining_m = hypot(left[0][0] - pose.x_m, left[0][1] - pose.y_m) + length_m(left)
+        foot = left.places[0]
+        remaining_m = hypot(foot[0] - pose.x_m, foot[1] - pose.y_m) + length_m(left.places)
+        self._narrow = least_room_m(left, params.narrow_ahead_m) < params.narrow_m
         if route is not self._followed:
             self._followed = route  # another way may be longer: what was left of the last one is no measure
             self._approach = replace(self._approach, nearest_m=max(self._approach.nearest_m, remaining_m))
@@ -139,7 +170,10 @@ class PathFollowing(Behaviour[PathFollowingParams]):
         self._approach = approached(self._approach, remaining_m, now_s, params.reached_m, params.nearer_m)
         if self._approach.reached:
             return None
-        return along(pose, point_ahead(left, params.ahead_m), remaining_m, params)
+        return along(pose, point_ahead(left.places, params.ahead_m), remaining_m, params)
+
+    def adjusts(self) -> Mapping[str, Switch]:
+        return {self.params.avoid: Switch(gain=self.params.narrow_gain)} if self._narrow and self.params.avoid else {}
 
     def progress(self) -> Progress:
         if self._goal is None:

@@ -19,6 +19,8 @@ Mask = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.uint8]
 Squares = npt.NDArray[np.int32]
+ROUNDING = 1e-6  # of a cell
+BLUR_CELLS = 2.0  # so wide the rim's surroundings are blurred on the grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +81,11 @@ def room_to_move(known: KnownPart, radius_m: float, place: tuple[float, float], 
     cells = np.array(known.cells)
     _clear_body(cells, row, column, radius_m / cell_m)
     occupied = squared_distances(cells >= OCCUPIED_MIN, beyond)
-    closing = max(1, floor(params.unknown_fraction * radius_m / cell_m))
+    closing = max(1, floor(params.unknown_fraction * radius_m / cell_m + ROUNDING))
     around = np.pad(cells > EMPTY_MAX, closing, constant_values=True)  # nobody knows what lies beyond
     unknown = squared_distances(around, closing)[closing:-closing, closing:-closing]
-    room_squares, unknown_squares = (radius_m / cell_m) ** 2, (params.unknown_fraction * radius_m / cell_m) ** 2
-    open_ = (occupied > room_squares) & (unknown > unknown_squares)
+    radius, unknown_radius = radius_m / cell_m + ROUNDING, params.unknown_fraction * radius_m / cell_m + ROUNDING
+    open_ = (occupied > radius**2) & (unknown > unknown_radius**2)
     _let_out(open_, occupied, unknown, row, column, ceil(params.escape_m / cell_m))
     distance_m = np.sqrt(np.arange((beyond + 1) ** 2 + 1)) * cell_m
     nearness = (radius_m + params.comfort_m - distance_m) / max(params.comfort_m, cell_m)
@@ -92,13 +94,13 @@ def room_to_move(known: KnownPart, radius_m: float, place: tuple[float, float], 
 
 
 def _clear_body(cells: Cells, row: int, column: int, radius_cells: float) -> None:
-    """Empty what lies under the robot: unknown cells wholly, occupied ones but for the rim's blur."""
-    window, away = _window(cells.shape, row, column, ceil(radius_cells))
+    """Empty what lies under the robot: unknown cells and some around, which no sensor sees, occupied ones but for the rim."""
+    window, away = _window(cells.shape, row, column, ceil(radius_cells + BLUR_CELLS))
     if window is None:
         return
     part = cells[window]
-    part[(away <= radius_cells**2) & (part < OCCUPIED_MIN)] = 0
-    part[away <= max(radius_cells - 2.0, 0.0) ** 2] = 0
+    part[(away <= (radius_cells + BLUR_CELLS) ** 2) & (part < OCCUPIED_MIN)] = 0
+    part[away <= max(radius_cells - BLUR_CELLS, 0.0) ** 2] = 0
 
 
 def _let_out(open_: Mask, occupied: Squares, unknown: Squares, row: int, column: int, reach: int) -> None:

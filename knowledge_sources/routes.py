@@ -22,15 +22,16 @@ from blackboard.grid import OCCUPIED_MIN, Grid
 from blackboard.kinds import GRID, MOTIVATION, ROBOT, ROUTE
 from blackboard.messages.geometry import Point
 from blackboard.messages.motion import Motivation
-from blackboard.messages.routes import Route
+from blackboard.messages.routes import Route, WayPoint
 from blackboard.parameters import require
 from knowledge_sources.grid_mirror import GridMirror
 from knowledge_sources.poses import READS, map_from_robot_at
-from knowledge_sources.room_to_move import Floats
-from knowledge_sources.ways import Place, Wavefront, Way, cost_of, nearest_on, wavefront, way_to
+from knowledge_sources.room_to_move import Floats, Room
+from knowledge_sources.ways import Place, Wavefront, Way, cost_of, nearest_on, wavefront, way_to, with_room
 from knowledge_sources.ways_params import WaysParams
 
 BODY_FRACTION = 0.8  # of the radius: what stands so near to the way is on it; the rest is blur, which comes and goes
+WAY_STEP_M = 0.25  # between the points of a way, so that they say where it is narrow
 STEP_M = 0.1  # between the places along a way that are looked at
 
 
@@ -108,7 +109,8 @@ class Routes(KnowledgeSource[RoutesParams]):
         way = None if front is None else way_to(front, goal, self.params.goal_reach_m)
         self._sought_s, self._asked = board.now_s, motivation.value.number
         if anew or self._is_better(way, front, here):
-            self._post(board, goal, way, [motivation, robot, *poses])
+            room = None if front is None else front.room
+            self._post(board, goal, way, room, [motivation, robot, *poses])
 
     def _is_good(self, board: Access, here: Place) -> bool:
         """Say whether the way that stands may stay: nothing on it, and the robot near it. Where there is none, that stays too."""
@@ -129,16 +131,22 @@ class Routes(KnowledgeSource[RoutesParams]):
             return True
         return cost_of(front.room, way.corners) < self.params.cheaper_fraction * cost_of(front.room, ahead)
 
-    def _post(self, board: Access, goal: Place, way: Way | None, supports: list[Entry[Any]]) -> None:
+    def _post(self, board: Access, goal: Place, way: Way | None, room: Room | None, supports: list[Entry[Any]]) -> None:
         self._way = way
         place = Point(x_m=goal[0], y_m=goal[1])
-        if way is None:
+        robot = board.newest(ROBOT)
+        if way is None or room is None or robot is None:
             board.post(ROUTE, Route(goal=place, state="none"), supports=supports)
             return
         corners = way.corners
         tiles = self._grid.tiles_in(*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
-        points = tuple(Point(x_m=x, y_m=y) for x, y in np.round(corners, 3).tolist())
-        route = Route(goal=place, state="found", way=points, length_m=way.length_m)
+        points = np.round(with_room(room, corners, robot.value.radius_m, WAY_STEP_M), 3).tolist()
+        route = Route(
+            goal=place,
+            state="found",
+            way=tuple(WayPoint(x_m=x, y_m=y, room_m=room_m) for x, y, room_m in points),
+            length_m=way.length_m,
+        )
         board.post(ROUTE, route, supports=[*supports, *tiles])
 
 

@@ -22,8 +22,9 @@ Indices = npt.NDArray[np.int64]
 Place = tuple[float, float]
 NEIGHBOURS = ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1))
 NO_NODE = -1
+ROOM_SAMPLES = 5  # along a step of a way: as near to each other as cells
 CLIPPED = 10.0  # more for each metre of a step between two blocks that grazes the corner of a closed cell
-LITTLE = 1.001  # rounding: a straight line that costs so much more is as cheap
+LITTLE = 1.02  # a straight line that costs so much more is as cheap: costs are summed over cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +102,27 @@ def way_to(front: Wavefront, goal: Place, reach_m: float) -> Way | None:
     return Way(corners, float(np.hypot(*np.diff(corners, axis=0).T).sum()))
 
 
+def with_room(room: Room, corners: Floats, radius_m: float, step_m: float) -> Floats:
+    """Return a way cut into steps: (n, 3) x and y of each point, and how far the nearest thing lies from the rim up to the next, m.
+
+    No further than `comfort_m` of the parameters is measured; a robot that still leaves a thing's neighbourhood has no room.
+    """
+    rows = []
+    for a, b in pairwise(corners):
+        count = max(1, ceil(float(np.hypot(*(b - a))) / step_m))
+        points = a + np.linspace(0.0, 1.0, count * ROOM_SAMPLES + 1)[:, None] * (b - a)
+        cells = [
+            np.floor((points[:, i] - low) / room.cell_m).astype(np.int64)
+            for i, low in ((1, room.y_min_m), (0, room.x_min_m))
+        ]
+        around_m = np.sqrt(room.squares[cells[0], cells[1]]) * room.cell_m - radius_m
+        pieces = np.stack([around_m[i : i + count * ROOM_SAMPLES : ROOM_SAMPLES] for i in range(ROOM_SAMPLES)])
+        rows.append(np.column_stack([points[:-1:ROOM_SAMPLES], np.maximum(pieces.min(axis=0), 0.0)]))
+    last = rows[-1][-1, 2] if rows else 0.0
+    rows.append(np.array([[*corners[-1], last]]))
+    return np.concatenate(rows)
+
+
 def straight_cost(room: Room, start: Floats, end: Floats) -> float:
     """Return what the straight way between two places costs; infinity where it is not open."""
     length_m = float(np.hypot(*(end - start)))
@@ -113,7 +135,8 @@ def straight_cost(room: Room, start: Floats, end: Floats) -> float:
         return np.inf
     if not room.open[rows, columns].all():
         return np.inf
-    return length_m * float(room.cost[rows, columns].mean())
+    costs = room.cost[rows, columns]
+    return length_m * (float(costs.sum()) - 0.5 * float(costs[0] + costs[-1])) / max(count - 1, 1)
 
 
 def cost_of(room: Room, corners: Floats) -> float:

@@ -4,8 +4,18 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from blackboard.messages.base import Length, Message
+from blackboard.messages.base import Length, Message, Metres
 from blackboard.messages.geometry import Point
+
+
+class WayPoint(Message, frozen=True, kw_only=True):
+    """A point of a way. `room_m` is how far from the robot's rim the nearest thing lies, at least, from here to the next point;
+    what is further than a few decimetres is not measured.
+    """
+
+    x_m: Metres
+    y_m: Metres
+    room_m: Length
 
 
 class Route(Message, frozen=True, kw_only=True):
@@ -13,7 +23,7 @@ class Route(Message, frozen=True, kw_only=True):
 
     goal: Point
     state: Literal["found", "none"]
-    way: Annotated[tuple[Point, ...], Meta(max_length=10_000)] = ()
+    way: Annotated[tuple[WayPoint, ...], Meta(max_length=10_000)] = ()
     length_m: Length = 0.0
 
     def extent(self) -> tuple[float, float, float, float]:
