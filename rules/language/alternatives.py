@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from itertools import product
 
-from rules.language.syntax import All, AnyOf, Condition
+from rules.language.syntax import All, AnyOf, Condition, Exists, Not
 
 MOST_ALTERNATIVES = 64  # of one rule; a rule that writes out to more is no longer one thought
 
@@ -14,13 +14,17 @@ def alternatives(conditions: Sequence[Condition]) -> list[tuple[Condition, ...]]
 
 
 def number_of_alternatives(conditions: Sequence[Condition]) -> int:
-    """Return how many rows there would be."""
+    """Return how many rows there would be, those within `not` and `exists` counted too."""
     number = 1
     for condition in conditions:
         if isinstance(condition, All):
             number *= number_of_alternatives(condition.conditions)
         elif isinstance(condition, AnyOf):
             number *= sum(number_of_alternatives((one,)) for one in condition.conditions)
+        elif isinstance(condition, Not):
+            number *= number_of_alternatives((condition.condition,))
+        elif isinstance(condition, Exists):
+            number *= number_of_alternatives(condition.conditions)
     return number
 
 

@@ -4,7 +4,7 @@ As in CLIPS a variable is bound where it first stands alone in a field, or first
 holds within them only.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from blackboard.errors import did_you_mean
 from rules.language.alternatives import MOST_ALTERNATIVES, alternatives, number_of_alternatives
@@ -52,6 +52,7 @@ class _Scope:
         self.templates = templates
         self.bound: dict[str, bool] = {}  # by name: whether it holds a multifield
         self.facts: dict[str, str] = {}  # by name: the relation of the fact
+        self.nested = False  # within not or exists
         self.faults: list[RuleError] = []
 
     def rule(self, rule: Rule) -> list[RuleError]:
@@ -81,13 +82,21 @@ class _Scope:
         elif isinstance(condition, Test):
             self._expression(condition.expression)
         elif isinstance(condition, Not | Exists):
-            outer = dict(self.bound)
-            for inner in (condition.condition,) if isinstance(condition, Not) else condition.conditions:
-                self._condition(inner)
-            self.bound = outer
+            self._within((condition.condition,) if isinstance(condition, Not) else condition.conditions)
+
+    def _within(self, conditions: Sequence[Condition]) -> None:
+        outer, nested = dict(self.bound), self.nested
+        self.nested = True
+        for row in alternatives(conditions):
+            self.bound = dict(outer)
+            for condition in row:
+                self._condition(condition)
+        self.bound, self.nested = outer, nested
 
     def _bind_fact(self, name: str, pattern: Pattern) -> None:
-        if name in self.bound or name in self.facts:
+        if self.nested:
+            self._fault(f"?{name} <- has no place within not and exists: no one fact is meant", pattern)
+        elif name in self.bound or name in self.facts:
             self._fault(f"?{name} <- is bound a second time", pattern)
         self.facts[name] = pattern.relation
 

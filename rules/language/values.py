@@ -4,6 +4,7 @@ Strings are `str`, integers `int`, floats `float`, multifields tuples. TRUE and 
 """
 
 from dataclasses import dataclass
+from math import copysign
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -29,9 +30,11 @@ Value = Symbol | str | int | float | FactAddress | tuple["Value", ...]
 
 
 def same(a: Value, b: Value) -> bool:
-    """Say whether two values are equal as CLIPS's `eq` has it: 1 and 1.0, a symbol and a string are not."""
+    """Say whether two values are equal as CLIPS's `eq` has it: 1 and 1.0, a symbol and a string, 0.0 and -0.0 are not."""
     if isinstance(a, tuple) and isinstance(b, tuple):
         return len(a) == len(b) and all(map(same, a, b))
+    if a == 0 and isinstance(a, float) and isinstance(b, float):
+        return b == 0 and copysign(1, a) == copysign(1, b)
     return type(a) is type(b) and a == b
 
 
@@ -78,6 +81,8 @@ class FactValue:
 def _typed(value: Value) -> tuple[object, ...]:
     if isinstance(value, tuple):
         return (tuple, *map(_typed, value))
+    if value == 0 and isinstance(value, float):
+        return (float, value, copysign(1, value))
     return (type(value), value)
 
 

@@ -64,7 +64,8 @@ def modulo(a: Value, b: Value) -> Number:
         remainder = abs(dividend) % abs(divisor)
         return remainder if dividend >= 0 else -remainder
     quotient = float(dividend) / float(divisor)
-    return float(dividend) - math.trunc(quotient) * float(divisor) if math.isfinite(quotient) else math.nan
+    whole = math.trunc(quotient) if math.isfinite(quotient) else quotient
+    return float(dividend) - whole * float(divisor)
 
 
 def absolute(value: Value) -> Number:

@@ -56,16 +56,22 @@ def insert(values: Value, place: Value, first: Value, *others: Value) -> Multifi
 
 
 def without(values: Value, *unwanted: Value) -> Multifield:
-    """`delete-member$`: without these values, or stretches of values, wherever they stand."""
+    """`delete-member$`: without these values, or stretches of values, wherever they stand; one after the other."""
     row = multifield(values)
-    parts = [part for part in ((v if isinstance(v, tuple) else (v,)) for v in unwanted) if part]
+    for value in unwanted:
+        row = _without_part(row, value if isinstance(value, tuple) else (value,))
+    return row
+
+
+def _without_part(row: Multifield, part: Multifield) -> Multifield:
     kept: list[Value] = []
     at = 0
     while at < len(row):
-        part = next((p for p in parts if same(row[at : at + len(p)], p)), None)
-        if part is None:
+        if part and same(row[at : at + len(part)], part):
+            at += len(part)
+        else:
             kept.append(row[at])
-        at += 1 if part is None else len(part)
+            at += 1
     return tuple(kept)
 
 

@@ -39,6 +39,17 @@ def _outside_one(x: float) -> bool:
     return abs(x) >= 1
 
 
+def _over_square(x: float) -> float:
+    return 1 / (x * x) if x * x else math.inf
+
+
+def _logarithm(x: float) -> float:
+    """The inverse hyperbolic functions go through logarithms in CLIPS, and leave the floats where those do."""
+    if x < 0:
+        return math.nan
+    return math.log(x) if x else -math.inf
+
+
 def _divided(formula: Formula) -> Formula:
     """Return 1 / formula(x), which is 0 where the formula leaves the floats."""
 
@@ -77,12 +88,12 @@ TRIGONOMETRY: dict[str, LibraryFunction] = {
     "cosh": _of_number(math.cosh),
     "tanh": _of_number(math.tanh),
     "sech": _of_number(_divided(math.cosh)),
-    "csch": _of_number(_divided(math.sinh), lambda x: x != 0),
-    "coth": _of_number(lambda x: 1 / math.tanh(x), lambda x: x != 0),
-    "asinh": _of_number(math.asinh),
-    "acosh": _of_number(math.acosh),
-    "atanh": _of_number(math.atanh),
-    "asech": _of_number(lambda x: math.acosh(1 / x), lambda x: 0 < x <= 1),
-    "acsch": _of_number(lambda x: math.asinh(1 / x), lambda x: x != 0),
-    "acoth": _of_number(lambda x: math.atanh(1 / x), lambda x: abs(x) > 1),
+    "csch": _of_number(_divided(math.sinh), lambda x: abs(x) > NEAR_ZERO),
+    "coth": _of_number(lambda x: 1 / math.tanh(x), lambda x: abs(x) > NEAR_ZERO),
+    "asinh": _of_number(lambda x: _logarithm(x + math.sqrt(x * x + 1))),
+    "acosh": _of_number(lambda x: _logarithm(x + math.sqrt(x * x - 1)), lambda x: x >= 1),
+    "atanh": _of_number(lambda x: 0.5 * _logarithm((1 + x) / (1 - x)), lambda x: abs(x) < 1),
+    "asech": _of_number(lambda x: _logarithm(1 / x + math.sqrt(_over_square(x) - 1)), lambda x: 0 < x <= 1),
+    "acsch": _of_number(lambda x: _logarithm(1 / x + math.sqrt(_over_square(x) + 1)), lambda x: x != 0),
+    "acoth": _of_number(lambda x: 0.5 * _logarithm((x + 1) / (x - 1)), lambda x: abs(x) > 1),
 }

@@ -14,7 +14,7 @@ from rules.language.reading.tokens import Token, TokenKind
 from rules.language.syntax import All, AnyOf, Condition, Constraint, Exists, Match, Not, Pattern, Template, Test
 
 REFUSED = {
-    "forall": "write (not ...) with the exception as its pattern",
+    "forall": "write (not (and (pattern) (not ...)))",
     "logical": "retract in a rule of its own what no longer holds",
     "object": "there are no objects: use deftemplate",
 }
@@ -57,44 +57,16 @@ def _read_condition(form: Form, known: Surroundings) -> Condition:
             raise RuleError("(test ...) takes one expression in brackets: (test (> ?x 3))", form.position)
         return Test(read_call(inner[0], Place.CONDITION, known), form.position)
     if head == "not":
-        return Not(_read_negated(inner, form, known), form.position)
+        if len(inner) != 1:
+            raise RuleError("(not ...) takes one condition; put several into (and ...)", form.position)
+        return Not(_next_condition(list(inner), known), form.position)
     if head in ("exists", "and", "or"):
-        conditions = read_conditions(inner, known)
         if not inner:
             raise RuleError(f"({head} ...) takes at least one condition", form.position)
-        if head == "exists":
-            return Exists(_checked_exists(conditions, form), form.position)
-        return (All if head == "and" else AnyOf)(conditions, form.position)
+        conditions = read_conditions(inner, known)
+        several: dict[str, type[Exists | All | AnyOf]] = {"exists": Exists, "and": All, "or": AnyOf}
+        return several[head](conditions, form.position)
     return Match(_read_pattern(form, known))
-
-
-def _read_negated(inner: Sequence[Node], form: Form, known: Surroundings) -> Match:
-    if len(inner) != 1 or not isinstance(inner[0], Form):
-        raise RuleError("(not ...) takes one pattern", form.position)
-    head = inner[0].head
-    instead = {
-        "and": "let a rule assert a fact where both hold, and negate that",
-        "or": "write a (not ...) for each of them",
-        "not": "use (exists ...)",
-        "exists": "leave exists out",
-        "test": "write (test (not ...))",
-    } | REFUSED
-    if head in instead:
-        raise RuleError(f"(not ({head} ...)) is not in the language: {instead[head]}", form.position)
-    return Match(_read_pattern(inner[0], known))
-
-
-def _checked_exists(conditions: tuple[Condition, ...], form: Form) -> tuple[Condition, ...]:
-    for condition in conditions:
-        if isinstance(condition, Match) and condition.binding is not None:
-            raise RuleError(
-                f"?{condition.binding} <- has no place within (exists ...): no one fact is meant", form.position
-            )
-        if not isinstance(condition, Match | Test):
-            raise RuleError("(exists ...) takes patterns and tests only", form.position)
-    if conditions and not isinstance(conditions[0], Match):
-        raise RuleError("(exists ...) begins with a pattern", form.position)
-    return conditions
 
 
 def _read_pattern(form: Form, known: Surroundings) -> Pattern:

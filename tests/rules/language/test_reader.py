@@ -106,10 +106,13 @@ FAULTS = {
     "(defrule a (x 99999999999999999999) => )":
         "1:15: the integer 99999999999999999999 is out of range (64 bits); write it as a float",
     "(defrule a (x) => ) (defrule a (y) => )": "1:21: a second defrule 'a'; the first stands at a.clp:1:1",
-    "(defrule a (not (and (x) (y))) => )":
-        "1:12: (not (and ...)) is not in the language: let a rule assert a fact where both hold, and negate that",
+    "(defrule a (not (x) (y)) => )": "1:12: (not ...) takes one condition; put several into (and ...)",
+    "(defrule a (not (and (x ?y) ?f <- (z ?y))) => )":
+        "1:35: ?f <- has no place within not and exists: no one fact is meant",
+    "(defrule a (not (or (x ?y) (z))) (not (and (b ?y) (c ~?z))) => )":
+        "1:55: ?z has no value here: a variable gets its value where it stands alone in a field, or first before &",
     "(defrule a (forall (x) (y)) => )":
-        "1:12: (forall ...) is not in the language: write (not ...) with the exception as its pattern",
+        "1:12: (forall ...) is not in the language: write (not (and (pattern) (not ...)))",
     "(defrule a (logical (x)) => )":
         "1:12: (logical ...) is not in the language: retract in a rule of its own what no longer holds",
     "(defrule a (x $? y $?) => )":

@@ -27,6 +27,7 @@ EVERYTHING = r"""
   (a ?x $?rest) (a ?x&~3&=(+ ?w 1)|~:(> ?x 1) ?)
   (test (or (eq ?x ?i) (not (even-by-odd 4))))
   (not (c ?x ?)) (exists (b ?y) (test (neq ?y ?x)))
+  (not (and (c ?x ?q) (not (d ?q)) (exists (or (e ?q) (test (> ?q ?x))))))
   (or (d ?z) (and (e ?z) (not (f))))
   =>
   (retract ?f) (modify ?f (id ?z) (rooms a b) (seen))
