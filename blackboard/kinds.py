@@ -72,6 +72,7 @@ def collection(path: str, type_: type[M], doc: str, *, shared: bool = False, rec
 # fmt: off
 SONAR_SCAN = slot("observations/signal/sonar_scan", sensing.SonarScan, "echoes of a sonar ring")
 LASER_SCAN = slot("observations/signal/laser_scan", sensing.LaserScan, "one sweep of a laser")
+BLOBS = slot("observations/signal/blobs", sensing.BlobScan, "the coloured stretches that a camera sees")
 ODOMETRY = slot("observations/signal/odometry", sensing.Odometry, "what the wheels say")
 BUMPER = slot("observations/signal/bumper", sensing.Bumper, "what the bumper touches")
 BATTERY = slot("observations/signal/battery", sensing.Battery, "charge left")

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from sim.shapes import Bools, Floats, Ints, Shapes
 
 TURN = 2.0 * pi
+EDGE_ON = 1e-12  # sine of the angle between a ray and a segment that it runs along
 SEAM = 1e-9  # in ray steps: a ray through the corner of two segments must meet one of them
 
 
@@ -72,7 +73,9 @@ def cast(fans: Fans, shapes: Shapes) -> Hits:
     ax, ay = s.start_x_m[thing] - fans.x_m[fan], s.start_y_m[thing] - fans.y_m[fan]
     ex, ey = s.edge_x_m[thing], s.edge_y_m[thing]
     dx, dy = dir_x.ravel()[ray], dir_y.ravel()[ray]
-    distance = (ax * ey - ay * ex) / (dx * ey - dy * ex)
+    slant = dx * ey - dy * ex
+    distance = np.full(len(ray), np.inf)  # of a segment seen edge-on: its neighbours are met
+    np.divide(ax * ey - ay * ex, slant, out=distance, where=np.abs(slant) > EDGE_ON * s.length_m[thing])
 
     to_x, to_y = shapes.circles[0] - ox, shapes.circles[1] - oy
     centre_m = np.sqrt(to_x * to_x + to_y * to_y)

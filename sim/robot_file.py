@@ -6,15 +6,15 @@ from typing import TypeVar
 
 from blackboard.errors import MissionError, did_you_mean
 from blackboard.messages.geometry import Pose, wrap_angle
-from blackboard.messages.sensing import LaserSensor, RobotDescription, SonarSensor
+from blackboard.messages.sensing import CameraSensor, LaserSensor, RobotDescription, SonarSensor
 from blackboard.parameters import parse_parameters
 from blackboard.toml_file import TomlFile, read_toml
-from sim.sensor_models import BatteryModel, Body, LaserModel, OdometryModel, SonarModel
+from sim.sensor_models import BatteryModel, Body, CameraModel, LaserModel, OdometryModel, SonarModel
 from sim.shipped import find_file
 
 T = TypeVar("T")
 
-TABLES = ("body", "odometry", "battery", "sonar", "laser")
+TABLES = ("body", "odometry", "battery", "sonar", "laser", "camera")
 MAX_LASERS = 16
 
 
@@ -27,10 +27,18 @@ class RobotModel:
     battery: BatteryModel = field(default_factory=BatteryModel)
     sonar: SonarModel | None = None
     lasers: tuple[LaserModel, ...] = ()
+    camera: CameraModel | None = None
+
+    @property
+    def reach_m(self) -> float:
+        """How far from its middle a sensor of the robot can meet anything."""
+        ranges = [laser.max_range_m for laser in self.lasers]
+        ranges += [sensor.max_range_m for sensor in (self.sonar, self.camera) if sensor is not None]
+        return self.body.radius_m + max(ranges, default=0.0)
 
     def description(self) -> RobotDescription:
         """Return what the robot tells of itself: no word of its errors."""
-        sonar = self.sonar
+        sonar, camera = self.sonar, self.camera
         return RobotDescription(
             name=self.body.name,
             radius_m=self.body.radius_m,
@@ -49,6 +57,15 @@ class RobotModel:
                     max_range_m=laser.max_range_m,
                 )
                 for laser in self.lasers
+            ),
+            cameras=()
+            if camera is None
+            else (
+                CameraSensor(
+                    mount=Pose(x_m=camera.x_m, y_m=camera.y_m, heading_rad=wrap_angle(camera.heading_rad)),
+                    field_rad=camera.field_rad,
+                    max_range_m=camera.max_range_m,
+                ),
             ),
             bumper=self.body.bumper,
         )
@@ -74,6 +91,7 @@ def load_robot(name: Path) -> RobotModel:
         battery=_part(BatteryModel, file, "battery"),
         sonar=_part(SonarModel, file, "sonar") if "sonar" in file.data else None,
         lasers=tuple(parse_parameters(LaserModel, laser, file.place("laser", i)) for i, laser in enumerate(lasers)),
+        camera=_part(CameraModel, file, "camera") if "camera" in file.data else None,
     )
 
 

@@ -5,7 +5,7 @@ from math import cos, pi, radians, sin
 
 from blackboard.errors import MissionError
 from blackboard.messages.geometry import Pose, wrap_angle
-from blackboard.messages.sensing import MAX_BEAMS, MAX_SONARS
+from blackboard.messages.sensing import MAX_BEAMS, MAX_BLOBS, MAX_SONARS
 from blackboard.parameters import require
 
 TICKS_PER_S = 40  # the simulator's time step is 25 ms; no sensor is faster
@@ -150,6 +150,35 @@ class LaserModel:
     def step_rad(self) -> float:
         """Angle between two beams; a full circle does not look in its first direction twice."""
         return self.field_rad / (self.beams if self.field_rad > 2 * pi - 1e-6 else self.beams - 1)
+
+
+@dataclass(frozen=True)
+class CameraModel:
+    """A camera that tells colours along `field_rad`, symmetrically about its heading."""
+
+    field_rad: float
+    max_range_m: float  # further off no colour is told
+    x_m: float = 0.0
+    y_m: float = 0.0
+    heading_rad: float = 0.0
+    rays: int = 241  # a quarter of a degree in a field of 60 degrees
+    rate_hz: float = 4.0
+    latency_s: float = 0.0
+    noise_rad: float = radians(0.2)  # standard deviation of where a stretch ends
+    missed_fraction: float = 0.05
+    false_fraction: float = 0.005  # of the scans show a stretch where there is none
+
+    def __post_init__(self) -> None:
+        require(0.0 < self.field_rad <= pi, "field_rad", self.field_rad, "(0, pi]")
+        require(0.0 < self.max_range_m <= 1000.0, "max_range_m", self.max_range_m, "(0, 1000]")
+        for key in ("x_m", "y_m"):
+            require(abs(getattr(self, key)) <= 100.0, key, getattr(self, key), "[-100, 100]")
+        require(2 <= self.rays <= MAX_BLOBS, "rays", self.rays, f"[2, {MAX_BLOBS}]")
+        _rate(self.rate_hz)
+        _latency(self.latency_s)
+        _not_negative(self.noise_rad, "noise_rad")
+        for key in ("missed_fraction", "false_fraction"):
+            _fraction(getattr(self, key), key)
 
 
 @dataclass(frozen=True)

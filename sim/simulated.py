@@ -4,6 +4,7 @@ Posts         observations/signal/odometry    Odometry   from the true start pos
               observations/signal/bumper      Bumper     when it changes
               observations/signal/laser_scan  LaserScan
               observations/signal/sonar_scan  SonarScan
+              observations/signal/blobs       BlobScan
               observations/signal/battery     Battery
 
 Time goes in steps of 25 ms whatever steps are asked for, so that only the stamps of the commands matter. A sensor's
@@ -20,11 +21,20 @@ import numpy as np
 
 from blackboard.component import Reading, Robot, WorldTruth
 from blackboard.errors import MissionError
-from blackboard.kinds import BATTERY, BUMPER, LASER_SCAN, ODOMETRY, SONAR_SCAN
+from blackboard.kinds import BATTERY, BLOBS, BUMPER, LASER_SCAN, ODOMETRY, SONAR_SCAN
 from blackboard.messages.geometry import Pose, wrap_angle
 from blackboard.messages.motion import Drive
-from blackboard.messages.sensing import Battery, Bumper, LaserScan, Odometry, RobotDescription, SonarScan
+from blackboard.messages.sensing import (
+    Battery,
+    BlobScan,
+    Bumper,
+    LaserScan,
+    Odometry,
+    RobotDescription,
+    SonarScan,
+)
 from blackboard.parameters import require
+from sim.camera import camera_fan, look
 from sim.disturbances import Disturbance, Disturber
 from sim.drive import Base
 from sim.laser import laser_sweep, sweep_ranges
@@ -94,11 +104,13 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
                 (BUMPER, model.body.bumper),
                 (LASER_SCAN, bool(model.lasers)),
                 (SONAR_SCAN, model.sonar is not None),
+                (BLOBS, model.camera is not None),
                 (BATTERY, True),
             )
             if present
         )
         self._fans = None if model.sonar is None else sonar_fans(model.sonar)
+        self._view = None if model.camera is None else camera_fan(model.camera)
         self._sweeps = [laser_sweep(laser) for laser in model.lasers]
         self.reset()
 
@@ -115,16 +127,14 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._base = Base(model.body, world.shapes, self._start)
         self._odometer = Odometer(self._start, errors, self._random(0))
         self._sonar_rng, self._laser_rng = self._random(1), self._random(2)
+        self._camera_rng = self._random(5)
         people = world.people if self.params.people else ()
         walkers = [Walker(person, self._random(10 + i)) for i, person in enumerate(people)]
-        reach_m = model.body.radius_m + max(
-            [0.0, *(s.max_range_m for s in self._description.sonars), *(laser.max_range_m for laser in model.lasers)]
-        )
         disturber = None
         if self.params.disturbances:
             body = model.body
             disturber = Disturber(self.params.disturbances, world, body.radius_m, body.max_speed_mps, self._random(4))
-        self._around = Surroundings(world, walkers, reach_m, disturber)
+        self._around = Surroundings(world, walkers, model.reach_m, disturber)
         self._tick = -1
         self._due: dict[tuple[str, int], int] = {}
         self._late: list[tuple[int, Reading[Any]]] = []
@@ -195,7 +205,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._base.step(dt, forward, turn, self._around.walkers)
 
     def _sense(self, tick: int, readings: list[Reading[Any]]) -> None:
-        """Append what comes now: what was delayed, then odometry, bumper, lasers, sonars, battery."""
+        """Append what comes now: what was delayed, then odometry, bumper, lasers, sonars, camera, battery."""
         stamp_s = tick / TICKS_PER_S
         model = self._model
         if self._late:
@@ -216,6 +226,9 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         if model.sonar is not None and self._is_due("sonar", 0, model.sonar.rate_hz, tick):
             sensed = sensed or self._around.seen_from(self._base.x_m, self._base.y_m)
             self._give(readings, Reading(SONAR_SCAN, stamp_s, self._read_sonar(sensed)), model.sonar.latency_s)
+        if model.camera is not None and self._is_due("camera", 0, model.camera.rate_hz, tick):
+            sensed = sensed or self._around.seen_from(self._base.x_m, self._base.y_m)
+            self._give(readings, Reading(BLOBS, stamp_s, self._read_camera(sensed)), model.camera.latency_s)
         if self._is_due("battery", 0, model.battery.rate_hz, tick):
             used = stamp_s / model.battery.standing_s + self._base.distance_m / model.battery.driving_m
             self._charge_fraction = max(0.0, 1.0 - used)
@@ -272,6 +285,13 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._echoes_lost += int(echoes.lost.sum())
         self._cross_talk += int(echoes.cross_talk.sum())
         return SonarScan(sensors=tuple(range(len(echo))), ranges_m=_told(echoes.ranges_m))
+
+    def _read_camera(self, shapes: Shapes) -> BlobScan:
+        base, model, view = self._base, self._model.camera, self._view
+        assert model is not None
+        assert view is not None
+        here = view.moved(base.x_m, base.y_m, base.heading_rad)
+        return BlobScan(blobs=look(here, shapes, self._around.world.coloured, model, self._camera_rng))
 
 
 def _told(ranges_m: Floats) -> tuple[float | None, ...]:

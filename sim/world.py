@@ -20,6 +20,15 @@ PRECISION_M = 1e-6  # corners are put on this raster, so that things that touch 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Coloured:
+    """A thing of one colour: what lies within `radius_m` of `core` (a round thing's middle, any other thing's outline)."""
+
+    core: BaseGeometry
+    radius_m: float
+    colour: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class World:
     """Metres, map frame. Circles stand apart from `free`, the floor less all other things, since rays meet them as circles.
 
@@ -32,6 +41,7 @@ class World:
     circles: Floats  # (c, 3): x, y, radius
     shapes: Shapes
     rough_things: BaseGeometry = field(default_factory=shapely.Polygon)  # what of the boundary of `free` is rough
+    coloured: tuple[Coloured, ...] = ()
     people: tuple[Person, ...] = ()
     start: Pose | None = None
     later: "tuple[tuple[float, World], ...]" = ()
@@ -96,6 +106,7 @@ def make_world(
     rough_things: BaseGeometry,
     circles: Floats,
     circle_rough: Bools,
+    coloured: tuple[Coloured, ...] = (),
     people: tuple[Person, ...] = (),
     start: Pose | None = None,
 ) -> World:
@@ -110,6 +121,7 @@ def make_world(
         circles=circles,
         shapes=shapes,
         rough_things=rough_things,
+        coloured=coloured,
         people=people,
         start=start,
     )

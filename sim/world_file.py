@@ -3,117 +3,22 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import cos, pi, sin
+from math import cos, sin
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from blackboard.errors import MissionError, did_you_mean
-from blackboard.messages.geometry import Pose, wrap_angle
-from blackboard.parameters import parse_parameters, require
+from blackboard.parameters import parse_parameters
 from blackboard.toml_file import Place, TomlFile, read_toml
 from sim.people import Person
-from sim.world import FAR_M, PRECISION_M, World, make_world
+from sim.world import FAR_M, PRECISION_M, Coloured, World, make_world
+from sim.world_tables import Box, Circle, Floor, Points, Polygon, Start, Surface, Wall
 
-Surface = Literal["smooth", "rough"]
-Points = tuple[tuple[float, ...], ...]
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Floor:
-    """The outline of the floor: its edge is a wall."""
-
-    outline: Points
-    surface: Surface = "smooth"
-
-
-@dataclass(frozen=True)
-class Start:
-    """Where the robot starts."""
-
-    x_m: float
-    y_m: float
-    heading_rad: float = 0.0
-
-    def __post_init__(self) -> None:
-        for key in ("x_m", "y_m"):
-            require(abs(getattr(self, key)) <= FAR_M, key, getattr(self, key), f"[-{FAR_M:g}, {FAR_M:g}]")
-        require(abs(self.heading_rad) <= 2 * pi, "heading_rad", self.heading_rad, "[-2 pi, 2 pi]")
-
-    def pose(self) -> Pose:
-        return Pose(x_m=self.x_m, y_m=self.y_m, heading_rad=wrap_angle(self.heading_rad))
-
-
-def _check_stay(from_s: float, until_s: float | None) -> None:
-    require(0.0 <= from_s <= 1e7, "from_s", from_s, "[0, 1e7] seconds")
-    if until_s is not None:
-        require(from_s < until_s <= 1e7, "until_s", until_s, f"({from_s:g}, 1e7] seconds, after from_s")
-
-
-@dataclass(frozen=True)
-class Wall:
-    """A wall along a line; one that ends where it began is closed."""
-
-    line: Points
-    name: str = ""
-    thickness_m: float = 0.02  # a thin partition
-    surface: Surface = "smooth"
-    from_s: float = 0.0  # there from then on: put down, or closed
-    until_s: float | None = None  # and taken away then
-
-    def __post_init__(self) -> None:
-        _check_stay(self.from_s, self.until_s)
-        require(0.001 <= self.thickness_m <= 10.0, "thickness_m", self.thickness_m, "[0.001, 10]")
-
-
-@dataclass(frozen=True)
-class Polygon:
-    """A solid thing: cabinet, table, pillar."""
-
-    outline: Points
-    name: str = ""
-    surface: Surface = "smooth"
-    from_s: float = 0.0  # there from then on: put down, or closed
-    until_s: float | None = None  # and taken away then
-
-    def __post_init__(self) -> None:
-        _check_stay(self.from_s, self.until_s)
-
-
-@dataclass(frozen=True)
-class Box:
-    """A rectangle, turned by its heading about its centre."""
-
-    centre: tuple[float, ...]
-    size: tuple[float, ...]
-    name: str = ""
-    heading_rad: float = 0.0
-    surface: Surface = "smooth"
-    from_s: float = 0.0  # there from then on: put down, or closed
-    until_s: float | None = None  # and taken away then
-
-    def __post_init__(self) -> None:
-        _check_stay(self.from_s, self.until_s)
-
-
-@dataclass(frozen=True)
-class Circle:
-    """Round things of one radius: drums, pillars, the legs of a chair."""
-
-    centres: Points
-    radius_m: float
-    name: str = ""
-    surface: Surface = "smooth"
-    from_s: float = 0.0  # there from then on: put down, or closed
-    until_s: float | None = None  # and taken away then
-
-    def __post_init__(self) -> None:
-        _check_stay(self.from_s, self.until_s)
-        require(0.005 <= self.radius_m <= 100.0, "radius_m", self.radius_m, "[0.005, 100]")
 
 
 TABLES = ("floor", "start")
@@ -147,6 +52,7 @@ def load_world_file(path: Path) -> World:
             rough_things=shapely.union_all(rough),
             circles=np.array([circle.row for circle in round_], dtype=float).reshape(-1, 3),
             circle_rough=np.array([circle.surface == "rough" for circle in round_], dtype=bool),
+            coloured=tuple(_coloured(here, round_)),
             people=people,
             start=None if start is None else start.pose(),
         )
@@ -189,6 +95,7 @@ class _Thing:
 
     shape: BaseGeometry
     surface: Surface
+    colour: str
     stay: _Stay
 
 
@@ -198,6 +105,7 @@ class _Round:
 
     row: tuple[float, float, float]
     surface: Surface
+    colour: str
     stay: _Stay
 
 
@@ -210,10 +118,10 @@ def _things(file: TomlFile) -> Iterator[_Thing]:
         if shape.length < PRECISION_M:
             raise MissionError(f"{place.at('line')}: line has no length; give two different points")
         solid = shape.buffer(wall.thickness_m / 2.0, cap_style="flat", join_style="mitre")
-        yield _Thing(solid, wall.surface, _Stay(wall.from_s, wall.until_s))
+        yield _Thing(solid, wall.surface, "", _Stay(wall.from_s, wall.until_s))
     for polygon, place in _entries(Polygon, file, "polygon"):
         stay = _Stay(polygon.from_s, polygon.until_s)
-        yield _Thing(_area(polygon.outline, "outline", place), polygon.surface, stay)
+        yield _Thing(_area(polygon.outline, "outline", place), polygon.surface, polygon.colour, stay)
     for box, place in _entries(Box, file, "box"):
         ((x, y),) = _points((box.centre,), "centre", place, 1)
         ((width, depth),) = _points((box.size,), "size", place, 1)
@@ -222,14 +130,24 @@ def _things(file: TomlFile) -> Iterator[_Thing]:
         c, s = cos(box.heading_rad), sin(box.heading_rad)
         corners = [(a * width / 2, b * depth / 2) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
         outline = shapely.Polygon([(x + c * a - s * b, y + s * a + c * b) for a, b in corners])
-        yield _Thing(outline, box.surface, _Stay(box.from_s, box.until_s))
+        yield _Thing(outline, box.surface, box.colour, _Stay(box.from_s, box.until_s))
 
 
 def _circles(file: TomlFile) -> Iterator[_Round]:
     """Yield every circle that ever stands there."""
     for circle, place in _entries(Circle, file, "circle"):
         for x, y in _points(circle.centres, "centres", place, 1):
-            yield _Round((x, y, circle.radius_m), circle.surface, _Stay(circle.from_s, circle.until_s))
+            yield _Round((x, y, circle.radius_m), circle.surface, circle.colour, _Stay(circle.from_s, circle.until_s))
+
+
+def _coloured(things: Sequence[_Thing], circles: Sequence[_Round]) -> Iterator[Coloured]:
+    """Yield what has a colour."""
+    for thing in things:
+        if thing.colour:
+            yield Coloured(thing.shape.boundary, 0.0, thing.colour)
+    for circle in circles:
+        if circle.colour:
+            yield Coloured(shapely.Point(circle.row[:2]), circle.row[2], circle.colour)
 
 
 def _people(file: TomlFile) -> Iterator[Person]:

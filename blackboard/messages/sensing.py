@@ -10,6 +10,7 @@ from blackboard.messages.geometry import Pose
 
 MAX_SONARS = 256
 MAX_BEAMS = 8192
+MAX_BLOBS = 1000
 
 Echo = Range | None  # None: nothing came back
 
@@ -29,6 +30,14 @@ class LaserSensor(Message, frozen=True, kw_only=True):
     max_range_m: Annotated[float, Meta(gt=0.0, le=1000.0)]
 
 
+class CameraSensor(Message, frozen=True, kw_only=True):
+    """One camera that tells colours: `mount` is robot_from_camera, its field of view lies symmetrically about its heading."""
+
+    mount: Pose
+    field_rad: Annotated[float, Meta(gt=0.0, le=2 * pi)]
+    max_range_m: Annotated[float, Meta(gt=0.0, le=1000.0)]
+
+
 class RobotDescription(Message, frozen=True, kw_only=True):
     """The body and sensors of a robot, as its TOML file or its recording tells them."""
 
@@ -39,6 +48,7 @@ class RobotDescription(Message, frozen=True, kw_only=True):
     max_acceleration_mps2: Annotated[float, Meta(gt=0.0, le=1000.0)]
     sonars: Annotated[tuple[SonarSensor, ...], Meta(max_length=MAX_SONARS)] = ()
     lasers: Annotated[tuple[LaserSensor, ...], Meta(max_length=16)] = ()
+    cameras: Annotated[tuple[CameraSensor, ...], Meta(max_length=16)] = ()
     bumper: bool = False
 
 
@@ -60,6 +70,21 @@ class LaserScan(Message, frozen=True, kw_only=True):
     angle_min_rad: Angle
     angle_step_rad: Annotated[float, Meta(ge=-pi, le=pi)]
     ranges_m: Annotated[tuple[Echo, ...], Meta(max_length=MAX_BEAMS)]
+
+
+class Blob(Message, frozen=True, kw_only=True):
+    """A stretch of one colour: `bearing_rad` of its middle in the camera's frame, and how wide it looks."""
+
+    bearing_rad: Angle
+    width_rad: Annotated[float, Meta(ge=0.0, le=2 * pi)]
+    colour: Name
+
+
+class BlobScan(Message, frozen=True, kw_only=True):
+    """All that camera number `camera` saw at once."""
+
+    camera: Index = 0
+    blobs: Annotated[tuple[Blob, ...], Meta(max_length=MAX_BLOBS)]
 
 
 class Odometry(Message, frozen=True, kw_only=True):

@@ -36,6 +36,13 @@ def test_a_ray_into_a_corner_meets_it() -> None:
     assert hits.ranges_m[0].tolist() == pytest.approx([1.0, 2**0.5, 1.0])
 
 
+def test_a_ray_along_the_side_of_a_box_goes_by_or_meets_its_end() -> None:
+    for y in (1.0, 2.0):  # the sides of the box in the room
+        hits = cast(fan(1.0, y, -pi / 8, pi / 4, 3), shapes(ROOM))
+        assert hits.ranges_m[0, 1] in (pytest.approx(4.0), pytest.approx(7.0))
+        assert not np.isnan(hits.ranges_m).any()
+
+
 def test_a_circle_hides_the_wall_behind_it() -> None:
     circles = np.array([[4.0, 2.5, 0.5]])
     hits = cast(fan(1.0, 2.5, -0.1, 0.2, 3), shapes(shapely.box(0, 0, 8, 5), circles))

@@ -55,7 +55,7 @@ def test_the_pioneer_has_a_ring_and_a_laser() -> None:
 
 
 def test_descriptions_are_fit_for_the_board() -> None:
-    assert shipped_names("robots") == ["k2a", "k2a_near", "k2a_worn", "pioneer"]
+    assert shipped_names("robots") == ["k2a", "k2a_camera", "k2a_near", "k2a_worn", "pioneer"]
     for name in shipped_names("robots"):
         assert Vocabulary() is not None
         assert load_robot(Path(name)).description().name == name
@@ -102,6 +102,6 @@ def test_bad_robots(tmp_path: Path, text: str, says: str) -> None:
 def test_an_unknown_robot() -> None:
     with pytest.raises(
         MissionError,
-        match=r"unknown robot 'pionier'; did you mean 'pioneer'\? \(shipped: k2a, k2a_near, k2a_worn, pioneer",
+        match=r"unknown robot 'pionier'; did you mean 'pioneer'\? \(shipped: k2a, k2a_camera, k2a_near, k2a_worn, pioneer",
     ):
         load_robot(Path("pionier"))

@@ -102,7 +102,7 @@ def test_edges_and_right_angled_corners_echo_and_blunt_ones_do_not(tmp_path: Pat
 
 
 def test_shipped_worlds_hold_their_robots() -> None:
-    assert shipped_names("worlds") == ["hall", "lab", "office", "trap", "workshop"]
+    assert shipped_names("worlds") == ["hall", "lab", "office", "trap", "warehouse", "workshop"]
     for name in shipped_names("worlds"):
         world = load_world(Path(name))
         assert world.people, name
