@@ -36,6 +36,7 @@ from blackboard.messages.sensing import (
 from blackboard.parameters import require
 from sim.camera import camera_fan, look
 from sim.disturbances import Disturbance, Disturber
+from sim.dock import Charge
 from sim.drive import Base
 from sim.laser import laser_sweep, sweep_ranges
 from sim.odometer import Odometer, drawn
@@ -66,10 +67,12 @@ class SimulatedRobotParams:
     start_x_m: float | None = None  # together with start_y_m; else the world's start, else where there is most room
     start_y_m: float | None = None
     start_heading_rad: float | None = None
+    start_charge_fraction: float = 1.0  # of its battery
 
     def __post_init__(self) -> None:
         if (self.start_x_m is None) != (self.start_y_m is None):
             raise MissionError("start_x_m and start_y_m belong together; give both or none")
+        require(0.0 <= self.start_charge_fraction <= 1.0, "start_charge_fraction", self.start_charge_fraction, "[0, 1]")
         if self.start_heading_rad is not None:
             require(abs(self.start_heading_rad) <= 2 * pi, "start_heading_rad", self.start_heading_rad, "[-2 pi, 2 pi]")
 
@@ -141,7 +144,8 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._wanted = (0.0, 0.0)
         self._told_way_m = self._told_turn_rad = 0.0
         self._bumper: tuple[float, ...] | None = None
-        self._charge_fraction = 1.0
+        self._charge_fraction = self.params.start_charge_fraction
+        self._charge = Charge(given=self._charge_fraction - 1.0)
         self._echoes_lost = self._cross_talk = 0
 
     def drive(self, command: Drive) -> None:
@@ -203,6 +207,8 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._around.pass_time(now_s, dt, self._base, self._model.body.radius_m)
         forward, turn = self._wanted if self._charge_fraction > 0.0 else (0.0, 0.0)
         self._base.step(dt, forward, turn, self._around.walkers)
+        if self._first_world.docks:
+            self._charge.stand(dt, self._base.pose, self._model.body.radius_m, self._first_world.docks)
 
     def _sense(self, tick: int, readings: list[Reading[Any]]) -> None:
         """Append what comes now: what was delayed, then odometry, bumper, lasers, sonars, camera, battery."""
@@ -231,7 +237,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
             self._give(readings, Reading(BLOBS, stamp_s, self._read_camera(sensed)), model.camera.latency_s)
         if self._is_due("battery", 0, model.battery.rate_hz, tick):
             used = stamp_s / model.battery.standing_s + self._base.distance_m / model.battery.driving_m
-            self._charge_fraction = max(0.0, 1.0 - used)
+            self._charge_fraction = self._charge.left(used)
             readings.append(Reading(BATTERY, stamp_s, Battery(charge_fraction=round(self._charge_fraction, 5))))
 
     def _is_due(self, sensor: str, number: int, rate_hz: float, tick: int) -> bool:

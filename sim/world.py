@@ -11,6 +11,7 @@ from shapely.ops import polylabel
 from blackboard.component import WorldTruth
 from blackboard.errors import MissionError
 from blackboard.messages.geometry import Pose
+from sim.dock import Dock
 from sim.people import Person
 from sim.shapes import Bools, Floats, Shapes, shapes_around
 
@@ -45,6 +46,7 @@ class World:
     people: tuple[Person, ...] = ()
     start: Pose | None = None
     later: "tuple[tuple[float, World], ...]" = ()
+    docks: tuple[Dock, ...] = ()
 
     def truth(self) -> WorldTruth:
         """Return what stands still, the walls round the floor included, and the floor."""

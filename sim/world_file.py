@@ -1,4 +1,4 @@
-"""Worlds in TOML: a floor, walls, polygons, boxes, circles, people, and where the robot starts."""
+"""Worlds in TOML: a floor, walls, polygons, boxes, circles, people, docks, and where the robot starts."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from blackboard.errors import MissionError, did_you_mean
 from blackboard.parameters import parse_parameters
 from blackboard.toml_file import Place, TomlFile, read_toml
+from sim.dock import Dock
 from sim.people import Person
 from sim.world import FAR_M, PRECISION_M, Coloured, World, make_world
 from sim.world_tables import Box, Circle, Floor, Points, Polygon, Start, Surface, Wall
@@ -22,7 +23,7 @@ T = TypeVar("T")
 
 
 TABLES = ("floor", "start")
-LISTS = ("wall", "polygon", "box", "circle", "person")
+LISTS = ("wall", "polygon", "box", "circle", "person", "dock")
 KEYS = ("title", *TABLES, *LISTS)
 
 
@@ -34,6 +35,7 @@ def load_world_file(path: Path) -> World:
     floor = _area(floor_table.outline, "outline", file.place("floor"))
     start = parse_parameters(Start, file.data["start"], file.place("start")) if "start" in file.data else None
     people = tuple(_people(file))
+    docks = tuple(_docks(file, floor))
     things, circles = list(_things(file)), list(_circles(file))
     stays = [*(thing.stay for thing in things), *(circle.stay for circle in circles)]
     edge = [floor.boundary.buffer(PRECISION_M)] if floor_table.surface == "rough" else []
@@ -58,7 +60,7 @@ def load_world_file(path: Path) -> World:
         )
         worlds.append((at_s, world))
     _check_ways(worlds[0][1], file)
-    return replace(worlds[0][1], later=tuple(worlds[1:]))
+    return replace(worlds[0][1], later=tuple(worlds[1:]), docks=docks)
 
 
 def _check_keys(file: TomlFile) -> None:
@@ -154,6 +156,13 @@ def _people(file: TomlFile) -> Iterator[Person]:
     for person, place in _entries(Person, file, "person"):
         _points(person.path, "path", place, 2)
         yield person
+
+
+def _docks(file: TomlFile, floor: BaseGeometry) -> Iterator[Dock]:
+    for dock, place in _entries(Dock, file, "dock"):
+        if floor.distance(shapely.Point(dock.x_m, dock.y_m)) > PRECISION_M:
+            raise MissionError(f"{place.at('x_m')}: ({dock.x_m:g}, {dock.y_m:g}) is outside the floor; move the dock")
+        yield dock
 
 
 def _check_ways(world: World, file: TomlFile) -> None:
