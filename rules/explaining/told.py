@@ -1,0 +1,116 @@
+"""A verdict on a rule in words."""
+
+from collections.abc import Iterator, Mapping
+
+from blackboard.vocabulary import Vocabulary
+from rules.explaining.record import Situation
+from rules.explaining.why_not import Obstacle, Verdict, Way, brief
+from rules.language.syntax import Action, Assert, If, Program, Rule
+from rules.language.templates import kind_templates
+from rules.language.values import FactValue
+
+WAYS_SHOWN = 3
+
+
+def told(verdict: Verdict, then: Situation) -> Iterator[str]:
+    """Yield the lines that say whether a rule could fire, and why not."""
+    rule = verdict.rule
+    doc = f": {rule.doc}" if rule.doc else ""
+    yield f"{rule.name} ({rule.position.file}:{rule.position.line}){doc}"
+    if verdict.obstacle is None:
+        yield from _could_fire(verdict, then)
+    else:
+        yield from _blocked(verdict.obstacle, then)
+    if verdict.cut_off:
+        yield "  There are so many ways to match its conditions that not all were tried."
+    if then.unread:
+        yield f"  {then.unread} facts of the record could not be read back and are left out."
+    yield f"  {_history(rule, then)}"
+
+
+def _could_fire(verdict: Verdict, then: Situation) -> Iterator[str]:
+    many = len(verdict.ways)
+    yield f"  At {then.stamp_s:g} s it could fire: all its conditions hold{f', in {many} ways' if many > 1 else ''}."
+    fired = {firing.value.facts for firing in then.firings if firing.value.rule == verdict.rule.name}
+    for way in verdict.ways[:WAYS_SHOWN]:
+        yield f"    {_facts(way, then.facts)}"
+    if many > WAYS_SHOWN:
+        yield f"    and {many - WAYS_SHOWN} more"
+    if any(_texts(way, then.facts) in fired for way in verdict.ways):
+        yield "  It has fired for facts like these before: a rule fires once for the same facts, until one of them changes."
+
+
+def _blocked(obstacle: Obstacle, then: Situation) -> Iterator[str]:
+    place = f"{obstacle.position.file}:{obstacle.position.line}"
+    yield f"  At {then.stamp_s:g} s condition {obstacle.number} of {obstacle.total} kept it from firing: {obstacle.verdict}."
+    yield f"    {obstacle.text}   at {place}"
+    for reason in obstacle.reasons:
+        yield f"      {reason}"
+    yield from (f"    {line}" for line in _where_from(obstacle, then.program))
+    if obstacle.number > 1:
+        ways = f", in {obstacle.ways} ways, the first" if obstacle.ways > 1 else ""
+        yield f"  The conditions before it hold{ways}: {_facts(obstacle.best, then.facts)}"
+
+
+def _where_from(obstacle: Obstacle, program: Program) -> Iterator[str]:
+    """Yield where facts of the relation that is asked for come from."""
+    relation = obstacle.relation
+    if relation is None:
+        return
+    makers = [rule.name for rule in program.rules if relation in _asserted(rule.actions)]
+    if makers:
+        yield f"({relation} ...) is asserted by {', '.join(makers)}"
+    kinds = {made.template.name: made.kind for made in kind_templates(Vocabulary()).values()}
+    boards = {template.name for template in program.templates if template.position is None}
+    if relation in kinds and relation in boards:
+        yield f"({relation} ...) is an entry of {kinds[relation].path} on the board"
+
+
+def _asserted(actions: tuple[Action, ...]) -> set[str]:
+    found: set[str] = set()
+    for action in actions:
+        if isinstance(action, Assert):
+            found |= {fact.relation for fact in action.facts}
+        elif isinstance(action, If):
+            found |= _asserted((*action.then, *action.otherwise))
+    return found
+
+
+def _history(rule: Rule, then: Situation) -> str:
+    stamps = [firing.stamp_s for firing in then.firings if firing.value.rule == rule.name]
+    if not stamps:
+        return "It had never fired until then."
+    times = "once" if len(stamps) == 1 else f"{len(stamps)} times"
+    return f"It had fired {times} until then, the last time at {stamps[-1]:.2f} s."
+
+
+def _texts(way: Way, facts: Mapping[int, FactValue]) -> tuple[str, ...]:
+    return tuple("" if index is None else str(facts[index]) for index in way.facts)
+
+
+def _facts(way: Way, facts: Mapping[int, FactValue]) -> str:
+    return " ".join(brief(facts[index]) for index in way.facts if index is not None) or "(no fact is needed)"
+
+
+def as_dict(verdict: Verdict, then: Situation) -> dict[str, object]:
+    """Return the same as plain data, for JSON."""
+    rule, obstacle = verdict.rule, verdict.obstacle
+    told: dict[str, object] = {
+        "rule": rule.name,
+        "at": f"{rule.position.file}:{rule.position.line}",
+        "stamp_s": then.stamp_s,
+        "could_fire": obstacle is None,
+        "ways": [[str(then.facts[i]) for i in way.facts if i is not None] for way in verdict.ways],
+        "fired": [firing.stamp_s for firing in then.firings if firing.value.rule == rule.name],
+    }
+    if obstacle is not None:
+        told["obstacle"] = {
+            "condition": obstacle.number,
+            "of": obstacle.total,
+            "text": obstacle.text,
+            "at": f"{obstacle.position.file}:{obstacle.position.line}",
+            "verdict": obstacle.verdict,
+            "reasons": list(obstacle.reasons),
+            "held_before": [str(then.facts[i]) for i in obstacle.best.facts if i is not None],
+        }
+    return told

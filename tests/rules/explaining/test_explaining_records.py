@@ -1,0 +1,116 @@
+"""Rules and facts as they stood at some time of a run, out of its record; and the words of `ski rules why-not`."""
+
+from pathlib import Path
+
+import pytest
+
+from blackboard.board import Board
+from blackboard.errors import RecordingError
+from blackboard.journal import FILE_NAME, JournalWriter, read_journal
+from blackboard.kinds import FACT, FIRING, RULES, TRAVEL
+from blackboard.messages.control import Fact, Firing, RuleFile, RuleFiles
+from blackboard.messages.geometry import Point
+from blackboard.messages.routes import Travel
+from blackboard.vocabulary import Vocabulary
+from rules.explaining.record import situation
+from rules.explaining.told import as_dict, told
+from rules.explaining.why_not import why_not
+
+RULES_TEXT = """(deffacts beginning (mode choose))
+(defrule nearest-target-go "Go there"
+  (mode choose)
+  (clock (time-s ?now))
+  (travel (id ?target) (state reachable) (length-m ?length&:(< ?length 5.0)))
+  (not (given-up ?target))
+  =>
+  (assert (mode go)))
+(defrule blocked-give-up
+  (blocked ?target)
+  =>
+  (assert (given-up ?target)))
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A run of 10 s: frontier-1 comes nearer at 2 s, the rule fires at 3 s, the target is given up at 5 s."""
+    board = Board(Vocabulary(), robot="k2a")
+    with JournalWriter(tmp_path / FILE_NAME) as journal:
+        board.journal = journal
+        files = RuleFiles(engine="experta", files=(RuleFile(name="explore.clp", text=RULES_TEXT),))
+        board.post(RULES, files, source="planner")
+        board.post(FACT, Fact(relation="mode", fact="(mode choose)"), id="1", source="planner")
+        for stamp_s, length_m in ((1.0, 9.0), (2.0, 4.0)):
+            board.now_s = stamp_s
+            travel = Travel(state="reachable", stand=Point(x_m=1.0, y_m=2.0), length_m=length_m)
+            board.post(TRAVEL, travel, id="frontier-1", source="travel")
+        board.now_s = 3.0
+        matched = ("(mode choose)", "(clock (time-s 3.0))", "(travel ...)", "")
+        firing = Firing(rule="nearest-target-go", number=1, facts=matched)
+        board.post(FIRING, firing, id="nearest-target-go", source="planner")
+        board.now_s = 5.0
+        board.post(FACT, Fact(relation="given-up", fact="(given-up frontier-1)"), id="9", source="planner")
+        board.now_s = 8.0
+        board.retract(FACT, "1", source="planner")
+        board.post(FACT, Fact(relation="x", fact='(x "unbalanced)'), id="11", source="planner")
+    return tmp_path
+
+
+def words(folder: Path, rule: str, at_s: float | None) -> list[str]:
+    then = situation(read_journal(folder), at_s)
+    named = {one.name: one for one in then.program.rules}[rule]
+    return list(told(why_not(then.program, named, then.facts), then))
+
+
+def test_working_memory_as_it_stood(folder: Path) -> None:
+    assert [str(fact) for fact in situation(read_journal(folder), 1.5).facts.values()] == [
+        "(clock (time-s 1.5))",
+        '(travel (id frontier-1) (key "ski/k2a/hypotheses/feature/travel/frontier-1") (stamp-s 1.0) (state reachable) '
+        "(stand-x-m 1.0) (stand-y-m 2.0) (length-m 9.0))",
+        "(mode choose)",
+    ]
+    end = situation(read_journal(folder))
+    assert (end.stamp_s, end.unread, [fact.relation for fact in end.facts.values()]) == (
+        8.0,
+        1,
+        ["clock", "travel", "given-up"],
+    )
+    assert [one.name for one in end.program.deffacts] == ["beginning"]  # those read back are no part of the program
+
+
+def test_why_not_in_words(folder: Path) -> None:
+    assert words(folder, "nearest-target-go", 1.5) == [
+        "nearest-target-go (explore.clp:2): Go there",
+        "  At 1.5 s condition 3 of 4 kept it from firing: no fact matches it.",
+        "    (travel (id ?target) (state reachable) (length-m ?length&:(< ?length 5.0)))   at explore.clp:5",
+        "      (travel (id frontier-1) (state reachable) (stand-x-m 1.0) (stand-y-m 2.0) (length-m 9.0)): "
+        "length-m is 9.0, not ?length&:(< ?length 5.0)",
+        "    (travel ...) is an entry of hypotheses/feature/travel on the board",
+        "  The conditions before it hold: (mode choose) (clock (time-s 1.5))",
+        "  It had never fired until then.",
+    ]
+    later = words(folder, "nearest-target-go", 6.0)
+    assert later[1] == "  At 6 s condition 4 of 4 kept it from firing: what must not be is so."
+    assert later[3:5] == ["      there is (given-up frontier-1)", "    (given-up ...) is asserted by blocked-give-up"]
+    assert later[-1] == "  It had fired once until then, the last time at 3.00 s."
+
+
+def test_a_rule_that_could_fire(folder: Path) -> None:
+    lines = words(folder, "nearest-target-go", 2.5)
+    assert lines[1] == "  At 2.5 s it could fire: all its conditions hold."
+    assert lines[2].startswith("    (mode choose) (clock (time-s 2.5)) (travel (id frontier-1)")
+
+
+def test_as_data(folder: Path) -> None:
+    then = situation(read_journal(folder), 6.0)
+    data = as_dict(why_not(then.program, then.program.rules[0], then.facts), then)
+    assert data["could_fire"] is False
+    assert data["fired"] == [3.0]
+    assert data["obstacle"]["condition"] == 4
+    assert data["obstacle"]["reasons"] == ["there is (given-up frontier-1)"]
+
+
+def test_a_run_without_rules(tmp_path: Path) -> None:
+    (tmp_path / FILE_NAME).write_bytes(b"")
+    with pytest.raises(RecordingError, match=r"no rules decided in this run; its mission has no \[rules\]"):
+        situation(read_journal(tmp_path))
