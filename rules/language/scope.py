@@ -154,6 +154,10 @@ class _Scope:
                     self._fault(f"?{fact.name} is no fact{near}", fact)
             if isinstance(action, Modify):
                 self._modified(action)
+        elif isinstance(action, Call) and action.function == "retract-entry":
+            for argument in action.arguments:
+                if not (isinstance(argument, VariableUse) and argument.name in self.facts):
+                    self._expression(argument)
         elif isinstance(action, If):
             self._expression(action.condition)
             self._actions((*action.then, *action.otherwise))

@@ -8,6 +8,7 @@ from rules.language.reading.forms import Form, Node
 from rules.language.reading.surroundings import Place, Surroundings
 from rules.language.reading.tokens import Token, TokenKind
 from rules.language.syntax import Atom, Constant, Constraint, Predicate, Returned, Term, VariableUse, Wildcard
+from rules.language.values import same, written
 
 WILDCARDS = (TokenKind.WILDCARD, TokenKind.MULTI_WILDCARD)
 MULTI = (TokenKind.MULTI_VARIABLE, TokenKind.MULTI_WILDCARD)
@@ -57,7 +58,20 @@ def _read_constraint(rest: list[Node], known: Surroundings) -> Constraint:
     if signs and signs[0] == "&" and isinstance(first.term, VariableUse) and not first.negated:
         binds = first.term
         alternatives[0].pop(0)
+    if len(alternatives) == 1:
+        _refuse_contradiction(alternatives[0])
     return Constraint(tuple(map(tuple, alternatives)), start, binds)
+
+
+def _refuse_contradiction(atoms: Sequence[Atom]) -> None:
+    """One value cannot be two constants, nor one that it must not be; CLIPS refuses this too."""
+    constants = [(atom.term, atom.negated) for atom in atoms if isinstance(atom.term, Constant)]
+    for wanted in [term for term, negated in constants if not negated]:
+        for other, negated in constants:
+            if same(wanted.value, other.value) is negated:
+                no = "not " if negated else ""
+                what = f"{written(wanted.value)} and {no}{written(other.value)}"
+                raise RuleError(f"no value is {what}: this can never match", other.position)
 
 
 def _refuse_wildcard(atom: Atom) -> None:

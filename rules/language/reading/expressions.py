@@ -1,6 +1,7 @@
 """Forms to expressions: constants, variables, globals, and calls of functions that exist with as many arguments as they take."""
 
 from blackboard.errors import did_you_mean
+from rules.language.argument_kinds import unfit
 from rules.language.errors import RuleError
 from rules.language.reading.forms import Form, Node, name_of, word
 from rules.language.reading.surroundings import Place, Surroundings
@@ -60,6 +61,10 @@ def read_call(form: Form, place: Place, known: Surroundings, *, statement: bool 
     values = tuple(read_expression(item, place, known) for item in arguments)
     arity = known.functions.get(name) or arities()[name]
     check_number(f"({name} ...)", len(values), arity, form.position)
+    for index, value in enumerate(values):
+        wrong = unfit(name, index, value.value) if isinstance(value, Constant) else None
+        if wrong is not None:
+            raise RuleError(wrong, value.position)
     if name == "printout":
         _check_printout(values, form.position)
     return Call(name, values, form.position)

@@ -125,7 +125,7 @@ def calls(draw: st.DrawFn, function: str) -> tuple[Value, ...]:
 
 
 @pytest.mark.parametrize("function", [*FUNCTIONS, *STOP_EARLY])
-@settings(max_examples=settings.default.max_examples * 4 // 10)  # for each of ninety functions
+@settings(max_examples=settings.default.max_examples // 5)  # for each of ninety functions
 @given(data=st.data())
 def test_a_function_gives_what_it_gives_in_clips(environment: Any, function: str, data: st.DataObject) -> None:
     arguments = data.draw(calls(function))

@@ -119,6 +119,10 @@ FAULTS = {
         "1:20: a second $? in one pattern: only one may stand there; test with member$ or subseq$ instead",
     "(defrule a (x ?y|b) => )":
         "1:15: ?y has no value here: a variable gets its value where it stands alone in a field, or first before &",
+    "(defrule a (x ?y&b&c) => )": "1:20: no value is b and c: this can never match",
+    "(defrule a (x b&~b) => )": "1:18: no value is b and not b: this can never match",
+    "(defrule a (x ?y&:(> ?y b)) => )": "1:25: (> ...) takes a number here, not a symbol",
+    '(defrule a (x ?y) => (nth$ "1" ?y))': "1:28: (nth$ ...) takes an integer here, not a string",
     "(defrule a (x b&?) => )": "1:17: ? joined to a constraint says nothing: leave it out, or name it: ?x",
     "(defrule a (x ?*g*) => ) (defglobal ?*g* = 1)": "1:15: ?*g* may not stand here: write ?x&:(eq ?x ?*g*), or use = for numbers",
     "(defrule a (x (y 1)) => )": "1:15: there is no template 'x' with a slot 'y'; is its deftemplate missing?",

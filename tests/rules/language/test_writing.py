@@ -4,9 +4,10 @@ from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from rules.language.errors import RuleErrors
 from rules.language.reader import read_text
 from rules.language.syntax import Position, Program, Slot, Template
 from rules.language.writing import program_text, rule_text, written_constructs
@@ -101,7 +102,7 @@ CONSTANTS = st.one_of(
 )
 CALLS = st.recursive(
     st.one_of(CONSTANTS, st.just("?x")),
-    lambda inner: st.tuples(st.sampled_from(["+", "str-cat", "and", "eq"]), inner, inner).map(
+    lambda inner: st.tuples(st.sampled_from(["neq", "str-cat", "and", "eq"]), inner, inner).map(
         lambda parts: f"({' '.join(parts)})"
     ),
     max_leaves=6,
@@ -115,5 +116,9 @@ CONSTRAINTS = st.lists(st.lists(ATOMS, min_size=1, max_size=3).map("&".join), mi
 def test_any_pattern_and_action_reads_back_as_it_was(patterns: list[str], calls: list[str], binds: str) -> None:
     fields_ = " ".join(patterns) if patterns else "z"
     text = f"(defrule r (x ?x) (p {binds}{fields_}) => {' '.join(calls)})"
-    program = read_text(text)
+    try:
+        program = read_text(text)
+    except RuleErrors as refused:
+        assume(not all("can never match" in str(error) for error in refused.errors))
+        raise
     assert ordered(reread(program)) == ordered(program)
