@@ -3,7 +3,7 @@
 python benchmarks/collisions.py [--worlds lab trap office] [--robots k2a] [--seeds 20] [--minutes 10]
 
 A table of contacts that the robot caused, contacts that others caused, distance driven, floor visited, and the longest time
-spent in one place. Only the reflexes of explore-lab run: no knowledge sources, no pictures.
+spent in one place. Only the reflexes of wander-lab run: no knowledge sources, no pictures.
 """
 
 import argparse
@@ -33,8 +33,8 @@ class Drive:
 
 
 def reflexes_only(world: str, robot: str, people: bool) -> Mission:
-    """Return explore-lab without its knowledge sources, with this robot in this world."""
-    mission = load_mission(find_mission("explore-lab"), {"robot": {"world": world, "robot": robot, "people": people}})
+    """Return wander-lab without its knowledge sources, with this robot in this world."""
+    mission = load_mission(find_mission("wander-lab"), {"robot": {"world": world, "robot": robot, "people": people}})
     return dataclasses.replace(mission, knowledge_sources=())
 
 

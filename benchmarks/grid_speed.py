@@ -33,7 +33,7 @@ Scan = SonarScan | LaserScan
 def scans(robot: str, kind: Any) -> tuple[RobotDescription, list[tuple[Pose, Scan]]]:
     """Return scans of a simulated robot and where they were taken."""
     settings = {"robot": {"robot": robot, "odometry_errors": False}}
-    run = Run(load_mission(find_mission("explore-lab"), settings))
+    run = Run(load_mission(find_mission("wander-lab"), settings))
     taken: list[tuple[Pose, Scan]] = []
 
     def note(entry: Entry[Any]) -> None:

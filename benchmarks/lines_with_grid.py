@@ -90,7 +90,7 @@ def settings(scheme: Scheme) -> dict[str, dict[str, Any]]:
 def in_the_lab(job: tuple[Scheme, int]) -> Figures:
     """Return the figures of ten minutes in the lab."""
     scheme, seed = job
-    run = Run(load_mission(find_mission("explore-lab"), settings(scheme)), RunOptions(seed=seed, strict=True))
+    run = Run(load_mission(find_mission("wander-lab"), settings(scheme)), RunOptions(seed=seed, strict=True))
     run.run(600.0)
     truth, path = run.robot.truth(), run.true_trajectory()
     assert truth is not None

@@ -1,4 +1,4 @@
-"""The main job's cost: seconds for ten simulated minutes of explore-lab, and memory after two simulated hours.
+"""The main job's cost: seconds for ten simulated minutes of wander-lab, and memory after two simulated hours.
 
 python benchmarks/main_job.py [--memory]
 
@@ -46,8 +46,8 @@ def baseline_s() -> float:
 
 
 def run(duration_s: float, seed: int, settings: Mapping[str, Mapping[str, Any]] | None = None) -> tuple[float, Run]:
-    """Run explore-lab with its journal and without pictures; return CPU seconds and the run."""
-    mission = load_mission(find_mission("explore-lab"), settings)
+    """Run wander-lab with its journal and without pictures; return CPU seconds and the run."""
+    mission = load_mission(find_mission("wander-lab"), settings)
     with tempfile.TemporaryDirectory() as folder, JournalWriter(Path(folder) / "board.jsonl") as journal:
         started = process_time()
         done = Run(mission, RunOptions(seed=seed))

@@ -1,4 +1,4 @@
-"""How good the map of the lab is after ten simulated minutes of explore-lab, seed by seed and in the mean.
+"""How good the map of the lab is after ten simulated minutes of wander-lab, seed by seed and in the mean.
 
 python benchmarks/map_accuracy.py [--seeds N] [--world W] [--robot R]
 
@@ -46,7 +46,7 @@ def figures(seed: int, settings: Mapping[str, Mapping[str, Any]], mission: str) 
     return [float(table.get(key, 0.0)) * factor for key, _, factor in COLUMNS] + [process_time() - started]
 
 
-def show(title: str, seeds: int, settings: Mapping[str, Mapping[str, Any]], mission: str = "explore-lab") -> None:
+def show(title: str, seeds: int, settings: Mapping[str, Mapping[str, Any]], mission: str = "wander-lab") -> None:
     """Print one table."""
     print(f"\n{title}")
     print("seed  " + "".join(f"{heading:>18}" for _, heading, _ in COLUMNS) + f"{'s CPU':>10}")

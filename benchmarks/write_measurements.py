@@ -89,8 +89,8 @@ BENCHMARKS = (
         "",
         ("corners.py",),
     ),
-    ("The main job", "Ten simulated minutes of `explore-lab`, journal written, no pictures.", ("main_job.py",)),
-    ("Memory", "Two simulated hours of `explore-lab`.", ("main_job.py", "--memory")),
+    ("The main job", "Ten simulated minutes of `wander-lab`, journal written, no pictures.", ("main_job.py",)),
+    ("Memory", "Two simulated hours of `wander-lab`.", ("main_job.py", "--memory")),
     ("Recordings", "`ski map` as a process, reading and pictures included.", ("map_recordings.py",)),
     (
         "Drives with a laser, and with cones",

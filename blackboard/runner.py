@@ -133,6 +133,12 @@ class Run:
         status = self.board.newest(MISSION)
         return status is not None and status.value.state != "underway"
 
+    def close(self) -> None:
+        """Let go of what robot and planner hold."""
+        self.robot.close()
+        if self.planning is not None:
+            self.planning.close()
+
     def trajectory(self) -> npt.NDArray[np.float64]:
         """Return where the robot believed to be, (n, 4): stamp_s, x_m, y_m, heading_rad, map frame, each as of its time."""
         return self._track.rows()

@@ -17,7 +17,7 @@ NEAR_M = 0.10
 def on_walls(use_grid: bool, seed: int) -> float:
     """Return the share of the length of the thesis's lines that lies on a wall of the lab, exact odometry."""
     settings = {"line_finder": {"method": "axis"}, "filter_raw": {"use_grid": use_grid}}
-    run = Run(load_mission(find_mission("explore-lab"), settings), RunOptions(seed=seed, strict=True))
+    run = Run(load_mission(find_mission("wander-lab"), settings), RunOptions(seed=seed, strict=True))
     run.run(SECONDS)
     truth, batch = run.robot.truth(), run.board.newest(SUPPORTED_POINTS)
     assert truth is not None

@@ -1,4 +1,4 @@
-"""What the map of the lab is worth after ten simulated minutes of explore-lab with exact odometry."""
+"""What the map of the lab is worth after ten simulated minutes of wander-lab with exact odometry."""
 
 from pathlib import Path
 
@@ -16,14 +16,14 @@ from blackboard.runner import Run, RunOptions
 @pytest.fixture(scope="module")
 def run() -> Run:
     settings = {"robot": {"odometry_errors": False, "world": Path("lab"), "robot": Path("k2a")}}
-    run = Run(load_mission(find_mission("explore-lab"), settings), RunOptions(strict=True))
+    run = Run(load_mission(find_mission("wander-lab"), settings), RunOptions(strict=True))
     run.run(600.0)
     return run
 
 
 @pytest.fixture(scope="module")
 def result(run: Run) -> RunResult:
-    return gather(run, "explore-lab")
+    return gather(run, "wander-lab")
 
 
 def test_decided_cells_are_right(result: RunResult) -> None:

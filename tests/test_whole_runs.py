@@ -25,7 +25,7 @@ def ski(*arguments: str, hash_seed: str = "0", cwd: Path = CHECKOUT) -> "subproc
 def test_same_seed_same_bytes_whatever_the_hash_seed(tmp_path: Path) -> None:
     for name, seed, hash_seed in (("a", "3", "1"), ("b", "3", "4242"), ("c", "4", "1")):
         done = ski(
-            "run", "explore-lab", "--seed", seed, "--duration", "60", "--set", "robot.people=true",
+            "run", "wander-lab", "--seed", seed, "--duration", "60", "--set", "robot.people=true",
             "--out", str(tmp_path / name), hash_seed=hash_seed,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
@@ -40,7 +40,7 @@ def test_same_seed_same_bytes_whatever_the_hash_seed(tmp_path: Path) -> None:
 @pytest.fixture(scope="module")
 def explored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("explored") / "lab"
-    done = ski("run", "explore-lab", "--duration", "120", "--out", str(folder), "--json")
+    done = ski("run", "wander-lab", "--duration", "120", "--out", str(folder), "--json")
     assert done.returncode == 0, done.stderr
     (folder.parent / "table.json").write_text(done.stdout)
     return folder
@@ -114,7 +114,7 @@ class Interrupting(KnowledgeSource):
 
 def test_ctrl_c_writes_what_was_gathered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "ctrl_c.py").write_text(INTERRUPTING)
-    shipped = (CHECKOUT / "rules" / "missions" / "explore-lab.toml").read_text()
+    shipped = (CHECKOUT / "rules" / "missions" / "wander-lab.toml").read_text()
     (tmp_path / "m.toml").write_text(shipped + '\n[[knowledge_source]]\nuse = "ctrl_c.py:Interrupting"\n')
     assert main(["run", str(tmp_path / "m.toml"), "--out", str(tmp_path / "out"), "--json"]) == 130
     said = capsys.readouterr()
@@ -127,16 +127,16 @@ def test_ctrl_c_writes_what_was_gathered(tmp_path: Path, capsys: pytest.CaptureF
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["rnu", "explore-lab"], "there is no verb 'rnu'; did you mean 'run'?"),
-        (["run", "explore-lap"], "there is no mission 'explore-lap'; did you mean 'explore-lab'?"),
-        (["run", "explore-lab", "--world", "lap"], "did you mean 'lab'?"),
-        (["run", "explore-lab", "--robot", "k2b"], "did you mean 'k2a'?"),
-        (["run", "explore-lab", "--set", "eou_grid.cel_m=0.1"], "did you mean 'cell_m'?"),
-        (["run", "explore-lab", "--set", "eou_gird.cell_m=0.1"], "did you mean 'eou_grid'?"),
-        (["run", "explore-lab", "--set", "eou_grid.cell_m=-1"], "cell_m = -1.0"),
-        (["run", "explore-lab", "--duration", "-3"], "--duration -3: must be in (0, 1e7] seconds"),
-        (["run", "explore-lab", "--seed", "x"], "--seed"),
-        (["run", "explore-lab", "--colour", "red"], "unrecognized arguments: --colour red"),
+        (["rnu", "wander-lab"], "there is no verb 'rnu'; did you mean 'run'?"),
+        (["run", "explore-lap"], "there is no mission 'explore-lap'; did you mean 'wander-lab'?"),
+        (["run", "wander-lab", "--world", "lap"], "did you mean 'lab'?"),
+        (["run", "wander-lab", "--robot", "k2b"], "did you mean 'k2a'?"),
+        (["run", "wander-lab", "--set", "eou_grid.cel_m=0.1"], "did you mean 'cell_m'?"),
+        (["run", "wander-lab", "--set", "eou_gird.cell_m=0.1"], "did you mean 'eou_grid'?"),
+        (["run", "wander-lab", "--set", "eou_grid.cell_m=-1"], "cell_m = -1.0"),
+        (["run", "wander-lab", "--duration", "-3"], "--duration -3: must be in (0, 1e7] seconds"),
+        (["run", "wander-lab", "--seed", "x"], "--seed"),
+        (["run", "wander-lab", "--colour", "red"], "unrecognized arguments: --colour red"),
         (["map", "nowhere.log"], "nowhere.log"),
         (["why", "commands/drive", "--in", "nowhere"], "there is no such file; name the output folder of a run"),
         (["vocabulary", "observations/signal/sonar"], "did you mean 'observations/signal/sonar_scan'?"),
@@ -165,7 +165,7 @@ def test_a_users_mistakes_get_one_line(
 
 def test_a_folder_that_holds_something_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "precious.txt").write_text("mine")
-    arguments = ["run", "explore-lab", "--duration", "2", "--out", str(tmp_path)]
+    arguments = ["run", "wander-lab", "--duration", "2", "--out", str(tmp_path)]
     assert main(arguments) == 2
     assert "--force" in capsys.readouterr().err
     assert main([*arguments, "--force"]) == 0
@@ -189,7 +189,7 @@ def test_a_broken_source_is_named_and_the_run_goes_on_unless_strict(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "broken.py").write_text(BROKEN)
-    shipped = (CHECKOUT / "rules" / "missions" / "explore-lab.toml").read_text()
+    shipped = (CHECKOUT / "rules" / "missions" / "wander-lab.toml").read_text()
     (tmp_path / "m.toml").write_text(shipped + '\n[[knowledge_source]]\nuse = "broken.py:Broken"\n')
     arguments = ["run", str(tmp_path / "m.toml"), "--duration", "30"]
     assert main([*arguments, "--out", str(tmp_path / "a")]) == 0
@@ -205,9 +205,9 @@ def test_a_broken_source_is_named_and_the_run_goes_on_unless_strict(
 
 
 def test_check_and_vocabulary(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", "explore-lab"]) == 0
+    assert main(["check", "wander-lab"]) == 0
     assert "The mission is sound." in capsys.readouterr().out
-    assert main(["check", "explore-lab", "--json"]) == 0
+    assert main(["check", "wander-lab", "--json"]) == 0
     assert "eou_grid" in json.loads(capsys.readouterr().out)["knowledge_sources"]
     assert main(["vocabulary", "--json"]) == 0
     assert "observations/signal/sonar_scan" in json.loads(capsys.readouterr().out)

@@ -11,7 +11,7 @@ from blackboard.runner import Run, RunOptions
 
 def test_what_odometry_is_wrong_by_over_ten_metres() -> None:
     mission = load_mission(
-        find_mission("explore-lab"), {"robot": {"world": "office", "robot": "k2a_worn", "odometry_errors": True}}
+        find_mission("wander-lab"), {"robot": {"world": "office", "robot": "k2a_worn", "odometry_errors": True}}
     )
     mission = dataclasses.replace(mission, knowledge_sources=mission.knowledge_sources[:1])  # the odometry's pose
     way_errors, heading_errors = [], []

@@ -10,6 +10,7 @@ from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as ProgressBar
 
 from blackboard.command.main import EXIT_INTERRUPTED
+from blackboard.command.spoken import tell_what_is_said
 from blackboard.errors import ComponentFailed, MissionError
 from blackboard.journal import FILE_NAME, JournalWriter
 from blackboard.kinds import COMPONENT, CORRECTED_PATH, MISSION
@@ -63,7 +64,7 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
         except ComponentFailed as error:  # under --strict
             failure = error
         finally:
-            run.robot.close()
+            run.close()
     result = gather(run, title or mission.name)
     write_results(result, folder, collector.frames if collector is not None else (), milestones.milestones())
     if failure is not None:
@@ -102,6 +103,7 @@ def ending(run: Run) -> str:
 
 def _run_showing_progress(run: Run, duration_s: float | None, note: Progress | None) -> None:
     console = Console(stderr=True)
+    tell_what_is_said(run.board, console)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

@@ -282,7 +282,7 @@ def test_a_range_of_too_many_cells_is_refused() -> None:
 
 def test_a_minute_in_the_lab() -> None:
     settings = {"robot": {"odometry_errors": False}}
-    run = Run(load_mission(find_mission("explore-lab"), settings), RunOptions(seed=3, strict=True))
+    run = Run(load_mission(find_mission("wander-lab"), settings), RunOptions(seed=3, strict=True))
     run.run(60.0)
     grid = Grid.from_tiles(entry.value for entry in run.board.entries(GRID))
     truth = run.robot.truth()

@@ -89,7 +89,7 @@ def result(
     cells[10:70, 10:90] = 0
     cells[9, 9:91] = 255
     return RunResult(
-        mission="explore-lab",
+        mission="wander-lab",
         robot=robot,
         trajectory=path,
         grid=make_grid(cells, -0.5, -0.5),

@@ -29,14 +29,14 @@ def test_units_are_read_off_the_names(name, value, shown):
 
 def test_the_table_is_shown_in_its_order_and_takes_markup_literally():
     screen = io.StringIO()
-    show_table({"robot": "[red]k2a", "path_m": 3.0}, "explore-lab", Console(file=screen, width=60))
+    show_table({"robot": "[red]k2a", "path_m": 3.0}, "wander-lab", Console(file=screen, width=60))
     text = screen.getvalue()
-    assert "explore-lab" in text
+    assert "wander-lab" in text
     assert text.index("[red]k2a") < text.index("3.00 m")
 
 
 def test_the_table_goes_to_standard_output(capsys):
-    show_table({"collisions": 0}, "explore-lab")
+    show_table({"collisions": 0}, "wander-lab")
     assert "collisions" in capsys.readouterr().out
 
 

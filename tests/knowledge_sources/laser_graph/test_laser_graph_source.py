@@ -20,8 +20,8 @@ SEATTLE = SHARED / "data" / "laser" / "seattle.log.gz"
 
 
 def laser_mission(folder: Path) -> Path:
-    """Write explore-lab with a laser, wheels that slip, and the laser graph as its only map builder."""
-    text = find_mission("explore-lab").read_text()
+    """Write wander-lab with a laser, wheels that slip, and the laser graph as its only map builder."""
+    text = find_mission("wander-lab").read_text()
     head, tail = text.partition("# Knowledge sources")[0], text.partition("# Behaviours")[2]
     sources = shipped_missions()["map-recording-laser"].read_text().partition("[[knowledge_source]]")
     path = folder / "laser.toml"

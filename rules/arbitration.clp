@@ -1,0 +1,40 @@
+; Arbitration: which behaviours the robot's mode asks for. avoid_obstacles is a reflex and always on.
+; Reads  mode, uses, goal, behaviour, motivation     Sets  the selection of every behaviour named in a `uses` fact
+; (Bou-Ghannam 1992, section 4.3: target-nav, boundary-following and random-wander exclude each other.)
+
+(deftemplate goal "Where the robot is going, and for which target"
+  (slot target) (slot x-m) (slot y-m) (slot length-m) (slot since-s))
+
+(deffacts arbitration "(uses MODE BEHAVIOUR): a mode with two behaviours leaves it to the mission file which inhibits which"
+  (uses look-around curiosity)
+  (uses wander boundary_following)
+  (uses wander random_wander)
+  (uses go path_following)
+  (needs-goal path_following)
+  (needs-goal target_nav))
+
+(defrule mode-asks-for-behaviour "Select what the mode uses, once it begins"
+  (declare (salience 50))
+  (mode ?mode)
+  (uses ?mode ?behaviour)
+  (not (needs-goal ?behaviour))
+  =>
+  (behaviour-select ?behaviour on))
+
+(defrule goal-asks-for-path "Follow a path to the goal"
+  (declare (salience 50))
+  (mode ?mode)
+  (uses ?mode ?behaviour)
+  (needs-goal ?behaviour)
+  (goal (x-m ?x) (y-m ?y))
+  =>
+  (behaviour-select ?behaviour on ?x ?y))
+
+(defrule mode-has-no-use-for-behaviour "Take back what is selected and belongs to another mode"
+  (mode ?mode)
+  (behaviour (id ?behaviour) (selected TRUE))
+  (uses ~?mode ?behaviour)
+  (not (uses ?mode ?behaviour))
+  (not (motivation (id ?behaviour) (on FALSE)))
+  =>
+  (behaviour-select ?behaviour off))
