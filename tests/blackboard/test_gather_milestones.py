@@ -48,12 +48,12 @@ def test_the_stages_of_a_run() -> None:
 
 
 def test_those_that_silence_each_other_lead() -> None:
-    mission = load_mission(find_mission("explore-lab"))
+    mission = load_mission(find_mission("wander-lab"))
     assert competing(mission) == {"curiosity", "boundary_following", "random_wander"}
 
 
 def test_a_run_that_ends_early_keeps_what_there_is() -> None:
-    run = Run(load_mission(find_mission("explore-lab")))
+    run = Run(load_mission(find_mission("wander-lab")))
     collector = MilestoneCollector(run)
     run.run(0.1)
     kept = collector.milestones()
@@ -63,7 +63,7 @@ def test_a_run_that_ends_early_keeps_what_there_is() -> None:
 
 def test_where_the_robot_was_asked_to_go(tmp_path: Path) -> None:
     (tmp_path / "goer.py").write_text(GOER)
-    text = find_mission("explore-lab").read_text() + '\n[[behaviour]]\nuse = "goer.py:Goer"\n'
+    text = find_mission("wander-lab").read_text() + '\n[[behaviour]]\nuse = "goer.py:Goer"\n'
     (tmp_path / "mission.toml").write_text(text)
     run = Run(load_mission(tmp_path / "mission.toml"))
     collector = MilestoneCollector(run)

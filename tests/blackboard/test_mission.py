@@ -226,7 +226,7 @@ def test_a_component_from_a_single_file_runs(folder: Path) -> None:
 
 def test_shipped_missions_are_found_by_name() -> None:
     assert set(shipped_missions()) >= {"wander-lab", "map-recording"}
-    with pytest.raises(MissionError, match="there is no mission 'explore-lap'; did you mean 'wander-lab'"):
+    with pytest.raises(MissionError, match="there is no mission 'explore-lap'; did you mean 'explore-lab'"):
         find_mission("explore-lap")
     with pytest.raises(MissionError, match=r"there is no mission file 'x\.toml'"):
         find_mission("x.toml")
