@@ -207,7 +207,7 @@ class PlanningModule(Planner[PlanningParams]):
             matched = [facts.get(i) if i is not None else None for i in waiting[0].facts]
             fired = engine.fire(waiting[0])
             if fired is None or self._settle(board, fired, matched):
-                self._unfinished = False
+                self._unfinished = bool(engine.agenda())  # after a halt the rest waits for the next cycle
                 return
         name = engine.agenda()[0].rule if engine.agenda() else ""
         self._unfinished = bool(name)

@@ -13,11 +13,14 @@ from rules.working_memory import WorkingMemory
 
 
 def take_over(memory: WorkingMemory, engine: Engine) -> WorkingMemory:
-    """Return the working memory of a fresh engine that goes on where `memory`'s engine stands.
+    """Return the working memory of another engine that goes on where `memory`'s engine stands.
 
     Raises RuleError where a fact does not fit the templates of the engine's program; nothing has changed then.
     """
     old = memory.engine
+    engine.reset()
+    for index in list(engine.facts()):
+        engine.retract(index)
     moved, indices = memory.move_to(engine)
     _keep_globals(old, engine)
     waiting = Counter(

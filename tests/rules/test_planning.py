@@ -1,0 +1,423 @@
+"""The planning module on a board: entries become facts, rules fire, and what they ask for stands on the board."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from blackboard.board import Board
+from blackboard.component import Parts
+from blackboard.entry import Entry
+from blackboard.errors import SkiError
+from blackboard.kinds import (
+    BEHAVIOUR,
+    COMMUNICATION_ERROR,
+    FACT,
+    FIRING,
+    FOCUS,
+    MISSION,
+    MOTIVATION,
+    RULE_ERROR,
+    RULES,
+    SWITCH,
+    TARGET,
+)
+from blackboard.messages.control import Firing
+from blackboard.messages.geometry import Point
+from blackboard.messages.motion import BehaviourStatus, Motivation, Switch
+from blackboard.messages.symbols import Target
+from blackboard.planning import Planning
+from blackboard.vocabulary import Vocabulary
+from rules.planning import PlanningModule, PlanningParams
+
+# Bou-Ghannam 1992, appendix A1.2, with what it speaks of: the scan at the tenth position is over, a frontier was found there.
+THESIS = """
+(deffacts situation
+  (mode end-wander-scan)
+  (position-index 10)
+  (position-index 10 frontier-center 3.5 1.25))
+
+(defrule active-target
+    ?mode <- (mode end-wander-scan)
+    (position-index ?num)
+    ?f <- (position-index ?num frontier-center ?xt ?yt)
+    =>
+    (retract ?mode ?f)
+    (assert (target ?xt ?yt))
+    (behavior-select "target-nav" "ON" ?xt ?yt) )
+"""
+
+VOCABULARY = Vocabulary()
+PARTS = Parts(
+    behaviours={"target_nav": (("x_m", "y_m"), 0), "random_wander": ((), 0)},
+    levels=["explore"],
+    sources={"line_finder": 10.0},
+    vocabulary=VOCABULARY,
+    owners={TARGET.path: "frontier_targets"},
+)
+
+
+class Bench:
+    """A board with one planning module on it, and a clock that is moved by hand."""
+
+    def __init__(self, folder: Path, *texts: str, parts: Parts = PARTS, **params: object) -> None:
+        self.paths = [folder / f"rules{i}.clp" for i in range(len(texts))]
+        for path, text in zip(self.paths, texts, strict=True):
+            path.write_text(text, encoding="utf-8")
+        self.board = Board(VOCABULARY, robot="k2a")
+        module = PlanningModule(PlanningParams(files=tuple(self.paths), **params), name="rules")  # type: ignore[arg-type]
+        self.planning = Planning(self.board, module, parts, strict=True)
+
+    def cycle(self, seconds: float = 0.1) -> None:
+        """Let a control cycle pass."""
+        self.board.now_s += seconds
+        self.planning.decide()
+
+    def target(self, name: str, x_m: float = 1.0) -> Entry[Target]:
+        place = Point(x_m=x_m, y_m=0.0)
+        value = Target(place=place, stand=place, reason="line end", size_m=1.0)
+        return self.board.post(TARGET, value, id=name, source="frontier_targets")
+
+    def facts(self) -> list[str]:
+        """Return what rules have asserted and nobody has retracted."""
+        return [entry.value.fact for entry in self.board.entries(FACT)]
+
+    def firings(self) -> list[str]:
+        return [entry.value.rule for entry in sorted(self.board.entries(FIRING), key=lambda e: e.value.number)]
+
+    def firing(self, rule: str) -> Entry[Firing]:
+        entry = self.board.newest(FIRING, rule)
+        assert entry is not None
+        return entry
+
+    def acknowledge(self, behaviour: str, number: int) -> None:
+        status = BehaviourStatus(state="active", acknowledged=number)
+        self.board.post(BEHAVIOUR, status, id=behaviour, source=behaviour)
+
+    def motivation(self, behaviour: str) -> Motivation | None:
+        entry = self.board.newest(MOTIVATION, behaviour)
+        return entry.value if entry is not None else None
+
+
+def test_the_rule_of_the_thesis_runs_as_printed(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, THESIS)
+    bench.cycle()
+    assert bench.motivation("target_nav") == Motivation(on=True, number=1, parameters=(3.5, 1.25))
+    assert bench.facts() == ["(position-index 10)", "(target 3.5 1.25)"]
+    firing = bench.firing("active-target")
+    assert firing.value.facts == (
+        "(mode end-wander-scan)",
+        "(position-index 10)",
+        "(position-index 10 frontier-center 3.5 1.25)",
+    )
+    motivation = bench.board.newest(MOTIVATION, "target_nav")
+    assert motivation is not None
+    assert motivation.supports == (firing.as_support(),)
+
+
+@pytest.mark.parametrize("engine", ["experta", "clips"])
+def test_both_engines_do_the_same(tmp_path: Path, engine: str) -> None:
+    if engine == "clips":
+        pytest.importorskip("clips")
+    bench = Bench(tmp_path, THESIS, engine=engine)
+    bench.cycle()
+    assert bench.motivation("target_nav") == Motivation(on=True, number=1, parameters=(3.5, 1.25))
+    assert bench.facts() == ["(position-index 10)", "(target 3.5 1.25)"]
+
+
+def test_a_missing_acknowledgement_becomes_a_fact_until_it_comes(tmp_path: Path) -> None:
+    silent = "(defrule silent (communication-error (id ?b) (number ?n)) => (assert (silent ?b ?n)))"
+    bench = Bench(tmp_path, THESIS, silent, acknowledge_s=0.5)
+    bench.cycle()
+    bench.cycle(0.4)
+    assert bench.board.entries(COMMUNICATION_ERROR) == []
+    bench.cycle(0.2)
+    error = bench.board.newest(COMMUNICATION_ERROR, "target_nav")
+    assert error is not None
+    assert error.value.waited_s == pytest.approx(0.6)
+    assert "(silent target_nav 1)" in bench.facts()
+    bench.acknowledge("target_nav", 1)
+    bench.cycle()
+    assert bench.board.entries(COMMUNICATION_ERROR) == []
+
+
+def test_an_acknowledgement_in_time_is_no_error(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, THESIS, acknowledge_s=0.5)
+    bench.cycle()
+    bench.acknowledge("target_nav", 1)
+    bench.cycle(2.0)
+    assert bench.board.entries(COMMUNICATION_ERROR) == []
+
+
+COUNT = """
+(defrule see (target (id ?t) (place-x-m ?x)) => (assert (seen ?t ?x)))
+(defrule lose ?seen <- (seen ?t ?) (not (target (id ?t))) => (retract ?seen))
+"""
+
+
+def test_only_a_change_of_what_rules_look_at_is_news(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, COUNT)
+    first = bench.target("frontier-1")
+    bench.cycle()
+    assert bench.facts() == ["(seen frontier-1 1.0)"]
+    assert bench.firing("see").supports == (first.as_support(),)
+    other = replace_size(first.value)
+    bench.board.post(TARGET, other, id="frontier-1", source="frontier_targets")  # a slot that no rule mentions
+    bench.cycle()
+    assert bench.firing("see").revision == 1
+    bench.target("frontier-1", 2.0)
+    bench.cycle()
+    assert bench.firing("see").revision == 2
+    bench.board.retract(TARGET, "frontier-1", source="frontier_targets")
+    bench.cycle()
+    assert bench.facts() == []
+
+
+def replace_size(target: Target) -> Target:
+    return Target(place=target.place, stand=target.stand, reason=target.reason, size_m=9.0)
+
+
+def test_why_goes_from_a_fact_through_its_firing_to_the_entry(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, COUNT, "(defrule go (seen ?t ?x) => (behaviour-select target-nav on ?x 0))")
+    target = bench.target("frontier-1", 3.0)
+    bench.cycle()
+    go = bench.firing("go")
+    [fact] = bench.board.entries(FACT)
+    assert go.supports == (fact.as_support(),)
+    assert fact.supports == (bench.firing("see").as_support(),)
+    assert bench.firing("see").supports == (target.as_support(),)
+
+
+def test_what_a_rule_raises_is_told_and_the_others_go_on(tmp_path: Path) -> None:
+    bench = Bench(
+        tmp_path,
+        "(deffacts start (a 0) (b))"
+        "(defrule divide (declare (salience 1)) (a ?x) => (assert (before)) (assert (c (/ 1 ?x))) (assert (after)))"
+        "(defrule other (b) => (assert (fine)))"
+        "(defrule mend (rule-error (rule ?r)) => (assert (mended ?r)))",
+    )
+    bench.cycle()
+    error = bench.board.newest(RULE_ERROR, "divide")
+    assert error is not None
+    assert "zero" in error.value.text
+    assert {"(before)", "(fine)", "(mended divide)"} <= set(bench.facts())
+    assert "(after)" not in bench.facts()
+
+
+def test_an_endless_loop_is_cut_off_and_told(tmp_path: Path) -> None:
+    loop = "(deffacts start (n 0)) (defrule loop ?n <- (n ?x) => (retract ?n) (assert (n (+ ?x 1))))"
+    bench = Bench(tmp_path, loop, firings_per_cycle=50)
+    bench.cycle()
+    assert bench.facts() == ["(n 50)"]
+    error = bench.board.newest(RULE_ERROR, "loop")
+    assert error is not None
+    assert "50 rules fired in one cycle" in error.value.text
+    bench.cycle()
+    assert bench.facts() == ["(n 100)"]  # and the robot lives on
+
+
+def test_halt_ends_the_cycle_only(tmp_path: Path) -> None:
+    rules = """
+    (deffacts start (go))
+    (defrule stop (declare (salience 1)) (go) => (halt))
+    (defrule later (go) => (assert (went)))"""
+    bench = Bench(tmp_path, rules)
+    bench.cycle()
+    assert bench.facts() == ["(go)"]
+    bench.target("frontier-1")
+    bench.cycle()
+    assert bench.facts() == ["(go)", "(went)"]
+
+
+def act(tmp_path: Path, *actions: str, parts: Parts = PARTS) -> Bench:
+    bench = Bench(tmp_path, f"(defrule act (target (id ?t)) => {' '.join(actions)})", parts=parts)
+    for name in ("target_nav", "explore"):
+        bench.board.post(SWITCH, Switch(threshold=0.2), id=name, source="coordinator")
+    bench.target("frontier-1")
+    bench.cycle()
+    return bench
+
+
+def test_rules_set_switches_and_ratings(tmp_path: Path) -> None:
+    bench = act(tmp_path, "(set-gain target-nav 0.5)", "(set-threshold explore 1)", "(focus line-finder 55)")
+    nav, level, focus = (
+        bench.board.newest(SWITCH, "target_nav"),
+        bench.board.newest(SWITCH, "explore"),
+        bench.board.newest(FOCUS, "line_finder"),
+    )
+    assert nav is not None
+    assert nav.value == Switch(gain=0.5, threshold=0.2)
+    assert level is not None
+    assert level.value.threshold == 1.0
+    assert focus is not None
+    assert (focus.value.rating, focus.value.enabled) == (55.0, True)
+
+
+def test_a_source_can_be_put_to_rest_and_keeps_its_rating(tmp_path: Path) -> None:
+    bench = act(tmp_path, "(focus line_finder off)")
+    focus = bench.board.newest(FOCUS, "line_finder")
+    assert focus is not None
+    assert (focus.value.rating, focus.value.enabled) == (10.0, False)
+
+
+def test_rules_post_and_take_back_what_they_posted(tmp_path: Path) -> None:
+    bench = act(tmp_path, '(post (mission (state given-up) (detail "enough")))')
+    mission = bench.board.newest(MISSION)
+    assert mission is not None
+    assert (mission.value.state, mission.value.detail) == ("given up", "enough")
+    bench = act(
+        tmp_path,
+        "(post (target (id own) (place-x-m 1) (place-y-m 2) (stand-x-m 1) (stand-y-m 2) (reason frontier) (size-m 1)))",
+        "(retract-entry ski/k2a/hypotheses/symbol/target/own)",
+    )
+    assert bench.board.newest(TARGET, "own") is None
+    errors = [entry.value.text for entry in bench.board.entries(RULE_ERROR)]
+    assert errors == [
+        "retract-entry: no rule has posted 'ski/k2a/hypotheses/symbol/target/own'; only its owner may retract an entry"
+    ]
+
+
+def test_motivate_prepares_what_select_uses(tmp_path: Path) -> None:
+    bench = act(tmp_path, "(motivate target-nav 4 5)")
+    assert bench.motivation("target_nav") is None
+    bench = act(tmp_path, "(motivate target-nav 4 5)", "(behaviour-select target-nav on)")
+    assert bench.motivation("target_nav") == Motivation(on=True, number=1, parameters=(4.0, 5.0))
+    bench = act(tmp_path, "(behaviour-select target-nav on 1 2)", "(motivate target-nav 4 5)")
+    assert bench.motivation("target_nav") == Motivation(on=True, number=2, parameters=(4.0, 5.0))
+
+
+@pytest.mark.parametrize(
+    ("action", "says"),
+    [
+        ("(behaviour-select ?t on)", "this mission has no behaviour 'frontier-1'"),
+        ("(behaviour-select target-nav on 1)", "behaviour 'target_nav' takes x_m y_m; 1 were given"),
+        ("(bind ?s perhaps) (behaviour-select target-nav ?s 1 2)", "perhaps must be on or off"),
+        ("(bind ?g -1) (set-gain target-nav ?g)", "set-gain target-nav: -1 must be a number in [0, 100]"),
+        ("(focus ?t 3)", "this mission has no knowledge source 'frontier-1'"),
+        ("(retract-entry ?t)", "no rule has posted 'frontier-1'"),
+    ],
+)
+def test_what_cannot_be_done_is_told_in_one_line(tmp_path: Path, action: str, says: str) -> None:
+    bench = act(tmp_path, action)
+    [error] = bench.board.entries(RULE_ERROR)
+    assert says in error.value.text
+    assert "\n" not in error.value.text
+
+
+def test_a_kind_with_an_owner_is_not_posted_by_rules(tmp_path: Path) -> None:
+    parts = replace(PARTS, owners={"hypotheses/feature/route": "routes"})
+    with pytest.raises(SkiError, match=r"rules0.clp:1:31: post: 'route' is posted by routes already; only one may"):
+        Bench(
+            tmp_path,
+            "(defrule r (target (id ?)) => (post (route (state none) (goal-x-m 1) (goal-y-m 1))))",
+            parts=parts,
+        )
+
+
+def test_rules_that_ask_for_the_time_are_told_it(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, "(defrule late (clock (time-s ?t&:(>= ?t 2))) => (assert (late)))", clock_s=1.0)
+    for _ in range(15):
+        bench.cycle()
+    assert bench.facts() == []
+    for _ in range(10):
+        bench.cycle()
+    assert bench.facts() == ["(late)"]
+
+
+def rewrite(path: Path, text: str) -> None:
+    """Change a file so that its time or size tells."""
+    path.write_text(text + "\n" * (len(path.read_text(encoding="utf-8")) + 1), encoding="utf-8")
+
+
+RELOADED = """
+(deffacts start (mode wander) (count 0))
+(defrule once (mode wander) ?c <- (count ?n) (target (id ?t)) => (retract ?c) (assert (met ?t)))
+"""
+
+
+@pytest.mark.parametrize("engine", ["experta", "clips"])
+def test_a_changed_file_takes_over_without_losing_facts_or_firing_again(tmp_path: Path, engine: str) -> None:
+    if engine == "clips":
+        pytest.importorskip("clips")
+    bench = Bench(tmp_path, RELOADED, reload_s=0.1, engine=engine)
+    bench.target("frontier-1")
+    bench.cycle()
+    assert sorted(bench.facts()) == ["(met frontier-1)", "(mode wander)"]
+    rewrite(bench.paths[0], RELOADED + "(defrule new (met ?t) (target (id ?t) (place-x-m ?x)) => (assert (new ?t ?x)))")
+    bench.cycle(1.0)
+    assert sorted(bench.facts()) == ["(met frontier-1)", "(mode wander)", "(new frontier-1 1.0)"]
+    assert bench.firing("once").revision == 1
+    rules = bench.board.newest(RULES)
+    assert rules is not None
+    assert (rules.revision, rules.value.refused) == (2, "")
+    assert "defrule new" in rules.value.files[0].text
+
+
+def test_a_rule_that_has_fired_does_not_fire_again_on_the_same_facts(tmp_path: Path) -> None:
+    fire = "(defrule fire (target (id ?t)) => (assert (fired ?t)))"
+    bench = Bench(tmp_path, fire, reload_s=0.1)
+    bench.target("frontier-1")
+    bench.cycle()
+    rewrite(bench.paths[0], fire + " (defrule other (never) => (halt))")
+    bench.cycle(1.0)
+    assert bench.firing("fire").revision == 1
+    rewrite(bench.paths[0], fire.replace("fired", "noticed"))
+    bench.cycle(1.0)
+    assert bench.firing("fire").revision == 2  # the rule itself has changed: it looks afresh
+    assert "(noticed frontier-1)" in bench.facts()
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("(defrule broken (mode wander) => (assert (x)", "rules0.clp:1"),
+        ("(defrule wrong (targett (id ?t)) => (assert (x)))", ""),
+        (
+            "(deftemplate mode (slot is)) (defrule r (mode (is wander)) => (assert (x)))",
+            "the fact (mode wander) stands, but",
+        ),
+        (
+            "(defrule p (mode wander) => (post (trap (id a) (trap cycling) (place-x-m 0) (place-y-m 0) (size-m 1))))",
+            "did not; run anew",
+        ),
+    ],
+)
+def test_a_bad_file_is_refused_and_the_old_rules_stay(tmp_path: Path, text: str, says: str) -> None:
+    bench = Bench(tmp_path, RELOADED, reload_s=0.1)
+    bench.cycle()
+    if not says:  # an unknown relation is no fault: users make their own
+        return
+    rewrite(bench.paths[0], text)
+    bench.cycle(1.0)
+    rules = bench.board.newest(RULES)
+    assert rules is not None
+    assert says in rules.value.refused
+    assert "\n" not in rules.value.refused
+    assert rules.value.files[0].text == RELOADED
+    bench.target("frontier-1")
+    bench.cycle(1.0)
+    assert "(met frontier-1)" in bench.facts()
+
+
+def test_a_file_that_is_gone_for_a_moment_is_no_change(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, RELOADED, reload_s=0.1)
+    bench.cycle()
+    bench.paths[0].unlink()
+    bench.cycle(1.0)
+    rules = bench.board.newest(RULES)
+    assert rules is not None
+    assert rules.revision == 1
+
+
+def start_error(tmp_path: Path, names: Sequence[Path]) -> str:
+    with pytest.raises(SkiError) as caught:
+        PlanningModule(PlanningParams(files=tuple(names)), name="rules")
+    return str(caught.value)
+
+
+def test_rule_files_that_are_missing_are_refused(tmp_path: Path) -> None:
+    assert "there is no rule file 'explor'; did you mean 'explore'?" in start_error(tmp_path, [Path("explor")])
+    binary = tmp_path / "b.clp"
+    binary.write_bytes(b"(defrule \xff)")
+    assert "no UTF-8" in start_error(tmp_path, [binary])
