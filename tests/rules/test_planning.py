@@ -233,7 +233,7 @@ def test_halt_ends_the_cycle_only(tmp_path: Path) -> None:
 def act(tmp_path: Path, *actions: str, parts: Parts = PARTS) -> Bench:
     bench = Bench(tmp_path, f"(defrule act (target (id ?t)) => {' '.join(actions)})", parts=parts)
     for name in ("target_nav", "explore"):
-        bench.board.post(SWITCH, Switch(threshold=0.2), id=name, source="coordinator")
+        bench.board.post(SWITCH, Switch(threshold=0.2), id=name, source="rules")
     bench.target("frontier-1")
     bench.cycle()
     return bench
