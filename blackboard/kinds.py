@@ -93,6 +93,7 @@ POSE_CONFLICT = collection("hypotheses/symbol/pose_conflict", model.PoseConflict
 CORNER = collection("hypotheses/symbol/corner", symbols.Corner, "where two lines meet or nearly meet")
 LINE_RELATION = collection("hypotheses/symbol/line_relation", symbols.LineRelation, "lines that are parallel or collinear")
 TARGET = collection("hypotheses/symbol/target", symbols.Target, "a place worth a visit", shared=True)
+FOUND_OBJECT = collection("hypotheses/symbol/found_object", symbols.FoundObject, "what was looked for", shared=True)
 TRAP = collection("hypotheses/symbol/trap", symbols.Trap, "where reflexes alone would stay", shared=True)
 CHANGE = collection("hypotheses/symbol/change", conflicts.Change, "where the map and what is seen differ")
 TWO_PART_OBJECT = collection("hypotheses/symbol/two_part_object", conflicts.TwoPartObject, "a body and its part", shared=True)

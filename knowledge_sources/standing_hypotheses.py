@@ -6,7 +6,7 @@ from math import hypot
 from typing import Any, Generic, Literal, TypeVar
 
 from blackboard.access import Access
-from blackboard.entry import Entry, Strength
+from blackboard.entry import Entry, Strength, Support
 from blackboard.kinds import Kind
 from blackboard.messages.base import Message
 from blackboard.uncertainty.endorsements import standing
@@ -30,7 +30,7 @@ class Found(Generic[M]):
     """A hypothesis that holds now, what it stands on, and what speaks for and against it."""
 
     value: M
-    supports: Sequence[Entry[Any]]
+    supports: Sequence[Entry[Any] | Support]
     reasons: Sequence[Reason] = ()
 
 

@@ -13,6 +13,7 @@ from blackboard.grid import Grid
 from blackboard.kinds import (
     CORNER,
     CORRECTED_PATH,
+    FOUND_OBJECT,
     GRID,
     LINE,
     MISSION,
@@ -63,6 +64,7 @@ def gather(run: Run, title: str) -> RunResult:
     if corrected is not None:
         table |= closing(corrected.value)
     symbols = {"corners": len(result.corners), "targets": len(result.targets), "traps": len(run.board.entries(TRAP))}
+    symbols |= {"found_objects": sum(e.value.standing == "confirmed" for e in run.board.entries(FOUND_OBJECT))}
     table |= {"lines": len(result.lines)} | {name: count for name, count in symbols.items() if count}
     tasks: Counter[str] = Counter(entry.value.outcome for entry in run.board.entries(RESOLUTION_TASK))
     table |= {f"tasks_{outcome.replace(' ', '_')}": tasks[outcome] for outcome in OUTCOMES if tasks[outcome]}

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from blackboard.messages.base import Angle, Length, Message, Name, Text
+from blackboard.messages.base import Angle, Count, Length, Message, Name, Text
 from blackboard.messages.geometry import Point
 
 Opening = Annotated[float, Meta(ge=0.0, le=pi)]
@@ -62,6 +62,25 @@ class Target(Message, frozen=True, kw_only=True):
     stand: Point
     reason: Literal["frontier", "line end"]
     size_m: Length
+
+    def extent(self) -> Extent:
+        return self.place.extent()
+
+
+class FoundObject(Message, frozen=True, kw_only=True):
+    """A round thing of a colour and size that was looked for: where it seems to stand, and how large it seems to be.
+
+    `sightings` counts all, `places` those from places apart, which tell size and place.
+    """
+
+    object: Name
+    colour: Name
+    standing: Literal["suspected", "confirmed"]
+    place: Point
+    sigma_m: Length
+    radius_m: Length
+    sightings: Count
+    places: Count
 
     def extent(self) -> Extent:
         return self.place.extent()
