@@ -148,6 +148,9 @@ class BoundaryFollowing(Behaviour[BoundaryFollowingParams]):
         self._course = Course()
         self._answer: tuple[Response, float] | None = None  # the newest answer and the heading that it was given at
 
+    def select(self, parameters: tuple[float | str, ...]) -> None:
+        self._course, self._answer = Course(), None
+
     def respond(self, board: Access) -> Response | None:
         before, self._memory = self._memory, refresh(self._memory, board, MEMORY)
         robot, odometry = board.newest(ROBOT), board.newest(ODOMETRY)

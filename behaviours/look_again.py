@@ -101,6 +101,11 @@ class LookAgain(Behaviour[LookAgainParams]):
         self._rest: dict[str, float] = {}  # by task: not before then
         self._tries: dict[str, int] = {}
 
+    def select(self, parameters: tuple[float | str, ...]) -> None:
+        self._task = None
+        self._arrived = self._faced = False
+        self._checked_s = float("-inf")
+
     def respond(self, board: Access) -> Response | None:
         pose = map_from_robot(board)
         if pose is None:

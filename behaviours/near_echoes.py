@@ -61,6 +61,7 @@ class NearEchoesParams:
     cell_m: float = 0.1  # echoes in one cell count as one
     settled_after_s: float = 0.35  # heard in a cell or beside it so long ago: what walks at 0.5 m/s has left by then
     look_through_m: float = 0.3  # a reading must go so far beyond an echo to speak against it
+    gap_s: float = 2.0  # after no reading for so long (nobody asked, or the sensors were silent) the memory begins anew
 
     def __post_init__(self) -> None:
         require(1.0 <= self.reach_m <= 10.0, "reach_m", self.reach_m, "[1, 10]")
@@ -69,6 +70,7 @@ class NearEchoesParams:
         require(0.02 <= self.cell_m <= 0.3, "cell_m", self.cell_m, "[0.02, 0.3]")
         require(0.2 <= self.settled_after_s <= 2.0, "settled_after_s", self.settled_after_s, "[0.2, 2]")
         require(0.1 <= self.look_through_m <= 2.0, "look_through_m", self.look_through_m, "[0.1, 2]")
+        require(0.5 <= self.gap_s <= 60.0, "gap_s", self.gap_s, "[0.5, 60]")
 
 
 class Echo(NamedTuple):
@@ -90,6 +92,7 @@ class NearEchoes:
     echoes: dict[Cell, Echo]
     sonars_s: dict[int, float]  # when each sonar was last heard from
     tidied_s: float = -inf  # when old and far echoes were last left out
+    read_s: float = inf  # the newest reading in it
     sonar_revision: int = -1
     laser_revision: int = -1
     bumper_revision: int = -1
@@ -208,7 +211,12 @@ def refresh(memory: NearEchoes, board: Access, params: NearEchoesParams) -> Near
         looks = laser_looks(laser.value, robot)
         news.append((laser, looks, sightings(looks, within_m)))
     news += [(bumper, [], contacts(bumper.value, robot)) for bumper in bumpers]
-    echoes, tidied_s = dict(memory.echoes), memory.tidied_s
+    news = [
+        item for item in news if item[0].stamp_s >= odometry_s - LONGEST_STEP_S
+    ]  # nobody knows where others were taken
+    read_s = max((item[0].stamp_s for item in news), default=memory.read_s)
+    stale = read_s - memory.read_s > params.gap_s
+    echoes, tidied_s = {} if stale else dict(memory.echoes), memory.tidied_s
     if board.now_s - tidied_s >= TIDY_S:
         echoes, tidied_s = forget(echoes, odometry.pose, board.now_s, within_m, params), board.now_s
     for entry, looks, found in news:
@@ -219,6 +227,7 @@ def refresh(memory: NearEchoes, board: Access, params: NearEchoesParams) -> Near
         echoes=echoes,
         sonars_s=sonars_s,
         tidied_s=tidied_s,
+        read_s=read_s,
         sonar_revision=sonars[-1].revision if sonars else memory.sonar_revision,
         laser_revision=lasers[-1].revision if lasers else memory.laser_revision,
         bumper_revision=bumpers[-1].revision if bumpers else memory.bumper_revision,

@@ -65,6 +65,9 @@ class RandomWander(Behaviour[RandomWanderParams]):
         super().__init__(params, name=name, seed=seed)
         self._held: Heading | None = None
 
+    def select(self, parameters: tuple[float | str, ...]) -> None:
+        self._held = None
+
     def respond(self, board: Access) -> Response | None:
         odometry = board.newest(ODOMETRY)
         if odometry is None:

@@ -26,7 +26,10 @@ from blackboard.messages.motion import Drive, Velocity
 from blackboard.messages.sensing import LaserScan, RobotDescription
 from blackboard.parameters import require
 
-MEMORY = NearEchoesParams(reach_m=1.2)  # three times the stopping distance at the default limit of speed
+MEMORY = NearEchoesParams(
+    reach_m=1.2,  # three times the stopping distance at the default limit of speed
+    gap_s=60.0,  # it is asked every cycle: where the sensors were silent what was there may still be there
+)
 WATCHED_RAD = (
     pi / 5
 )  # a sonar watches the way if its axis lies within this of it; rings have 30 to 40 degrees between axes

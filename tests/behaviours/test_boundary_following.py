@@ -155,3 +155,16 @@ def test_wrong_parameters_are_refused() -> None:
         BoundaryFollowingParams(choose_m=2.0)
     with pytest.raises(MissionError, match=r"notice_m = 3\.0"):
         BoundaryFollowingParams(notice_m=3.0)
+
+
+def test_selected_anew_it_begins_a_fresh_course_without_what_was_heard_long_ago(bench) -> None:
+    following = BoundaryFollowing(PARAMS, name="boundary_following")
+    for i in range(5):
+        bench.at(0.2 * i).hear({0: 0.4, 1: 0.46, 11: 0.46, 3: 3.0, 9: 3.0, 6: 4.0})
+        response = following.respond(bench.access)
+    assert response is not None
+    assert response.forward < 0.8
+    following.select(())  # after it rested for ten seconds, in which the wall ahead went
+    for i in range(5):
+        bench.at(10.0 + 0.2 * i).hear({0: 5.0, 6: 0.8, 3: 3.0, 9: 3.0})
+    assert following.respond(bench.access) == Response(forward=1.0, left=0.0)

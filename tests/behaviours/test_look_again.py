@@ -125,3 +125,11 @@ def test_vectors_point_there_and_never_ask_for_more_than_they_may(x: float, y: f
     facing, turn = face(pose, x, y, PARAMS)
     assert abs(turn.turn_radps) <= PARAMS.turn_radps
     assert not facing or abs(turn.turn_radps) < 0.25
+
+
+def test_selected_anew_it_looks_for_a_task_at_once() -> None:
+    scene = Scene()
+    scene.task("1", (1.0, 2.0))
+    assert scene.at(1.0, 1.0, 0.5) is not None
+    scene.behaviour.select(())
+    assert scene.at(1.1 + 2 * PARAMS.patience_s, 1.0, 0.5) is not None

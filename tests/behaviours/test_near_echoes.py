@@ -1,4 +1,4 @@
-from math import pi
+from math import cos, pi, sin
 
 import pytest
 
@@ -137,3 +137,32 @@ def test_a_board_without_readings_gives_nothing(bench) -> None:
 def test_a_memory_too_short_to_be_of_use_is_refused() -> None:
     with pytest.raises(MissionError, match=r"keep_s = 0\.5"):
         NearEchoesParams(keep_s=0.5)
+
+
+def test_what_was_heard_before_a_gap_is_not_believed_any_more(bench) -> None:
+    """A behaviour that rested does not know what has gone meanwhile; one that never asked for long does not either."""
+    memory = no_echoes()
+    for i in range(5):
+        bench.at(0.2 * i).hear({0: 0.7, 3: 0.5})
+        memory, nears = sensed(memory, bench.access)
+    assert len(nears) == 2
+    for i in range(5, 18):
+        bench.at(0.2 * i).hear({6: 0.8})
+    after, nears = sensed(memory, bench.access)
+    assert [n[1] for n in nears] == [pytest.approx(-pi)]
+    kept = refresh(memory, bench.access, NearEchoesParams(gap_s=60.0))
+    assert len(kept.echoes) == 3
+    assert after.read_s == kept.read_s == pytest.approx(3.4)
+
+
+def test_readings_from_before_the_newest_second_are_left_out_of_a_memory_that_wakes(bench) -> None:
+    bench.at(0.0).hear({0: 0.7})
+    memory, _ = sensed(no_echoes(), bench.access)
+    for i in range(1, 9):  # it drives on at 0.5 m/s, nobody asks, and the wall abeam ends
+        x_m = 0.1 * i
+        bench.at(0.2 * i, Pose(x_m=x_m, y_m=0.0, heading_rad=0.0), forward_mps=0.5).hear(
+            {3: 0.5} if i < 3 else {9: 0.6}
+        )
+    _, nears = sensed(memory, bench.access)
+    places = sorted((round(0.8 + n[0] * cos(n[1]), 2), round(n[0] * sin(n[1]), 2)) for n in nears)
+    assert places == [(0.3, -0.9), (0.4, -0.9), (0.5, -0.9), (0.6, -0.9), (0.7, -0.9), (0.8, -0.9), (1.0, 0.0)]

@@ -58,3 +58,11 @@ def test_without_odometry_it_is_silent(bench) -> None:
 def test_wrong_parameters_are_refused() -> None:
     with pytest.raises(MissionError, match="hold_max_s"):
         RandomWanderParams(hold_min_s=5.0, hold_max_s=4.0)
+
+
+def test_selected_anew_it_takes_a_fresh_heading(bench) -> None:
+    wander = RandomWander(PARAMS, name="random_wander", seed=3)
+    first = wander.respond(bench.at(0.0).access)
+    assert wander.respond(bench.at(1.0).access) == first
+    wander.select(())
+    assert wander.respond(bench.at(1.1).access) != first
