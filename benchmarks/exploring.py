@@ -26,8 +26,9 @@ from time import process_time
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core a run
 
 from blackboard.command.gather import gather
+from blackboard.component import Trigger
 from blackboard.journal import FILE_NAME, JournalWriter
-from blackboard.kinds import MISSION
+from blackboard.kinds import MISSION, MOTIVATION
 from blackboard.mission import Mission, Spec, find_mission, load_mission, parse_settings
 from blackboard.runner import Run, RunOptions
 
@@ -52,8 +53,18 @@ class Outcome:
 
 
 def without_rules(mission: Mission) -> Mission:
-    """Return a mission whose reflexes are left to themselves."""
-    return replace(mission, rules=None, behaviours=tuple(_left_alone(spec) for spec in mission.behaviours))
+    """Return a mission whose reflexes are left to themselves, without the sources that wait for motivations."""
+    return replace(
+        mission,
+        rules=None,
+        behaviours=tuple(_left_alone(spec) for spec in mission.behaviours),
+        knowledge_sources=tuple(spec for spec in mission.knowledge_sources if not _waits_for_rules(spec)),
+    )
+
+
+def _waits_for_rules(spec: Spec) -> bool:
+    triggers = spec.build(0).triggers
+    return MOTIVATION in [t.kind if isinstance(t, Trigger) else t for t in triggers]
 
 
 def _left_alone(spec: Spec) -> Spec:
