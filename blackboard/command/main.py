@@ -15,6 +15,7 @@ VERBS = {
     "vocabulary": "print every kind of entry, with its JSON Schema",
     "why": "explain an entry of a run, down to the readings",
     "find": "find objects of a run by kind, place, name or description, and what a place is part of",
+    "rules": "check rule files, and see what rules can look at",
     "new": "write a new component to start from",
 }
 EXIT_ERROR = 2

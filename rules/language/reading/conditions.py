@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 
-from blackboard.errors import did_you_mean
 from rules.language.errors import RuleError
 from rules.language.reading.constraints import is_multi, read_constraints
 from rules.language.reading.expressions import read_call
-from rules.language.reading.facts import relation_of
+from rules.language.reading.facts import no_template, relation_of
 from rules.language.reading.forms import Form, Node, word
 from rules.language.reading.slots import check_single, slots_of
 from rules.language.reading.surroundings import Place, Surroundings
@@ -76,22 +75,13 @@ def _read_pattern(form: Form, known: Surroundings) -> Pattern:
         return _template_pattern(form, template, known)
     for item in form.items[1:]:
         if isinstance(item, Form) and word(item.items[0] if item.items else item) and not _follows_sign(item, form):
-            raise RuleError(_no_template(relation, item, known), item.position)
+            raise RuleError(no_template(relation, item, known), item.position)
     return Pattern(relation, read_constraints(form.items[1:], known), form.position)
 
 
 def _follows_sign(item: Form, form: Form) -> bool:
     before = form.items[form.items.index(item) - 1]
     return isinstance(before, Token) and before.text in (":", "=")
-
-
-def _no_template(relation: str, item: Form, known: Surroundings) -> str:
-    if relation in known.shadows:
-        return f"'{relation}' is used as an ordered fact at {known.shadows[relation]}, so it has no slots"
-    near = did_you_mean(relation, known.templates)
-    if not near.startswith("; did"):
-        near = "; is its deftemplate missing?"
-    return f"there is no template '{relation}' with a slot '{item.head}'{near}"
 
 
 def _template_pattern(form: Form, template: Template, known: Surroundings) -> Pattern:

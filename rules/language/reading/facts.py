@@ -1,11 +1,12 @@
 """Facts as `assert` and `deffacts` write them."""
 
+from blackboard.errors import did_you_mean
 from rules.language.errors import RuleError
 from rules.language.reading.expressions import read_expression
 from rules.language.reading.forms import Form, Node, name_of
 from rules.language.reading.slots import check_single, slots_of
 from rules.language.reading.surroundings import Place, Surroundings
-from rules.language.reading.vocabulary import CONDITION_WORDS
+from rules.language.reading.vocabulary import CONDITION_WORDS, FACT_ACTIONS, HINTS, arities
 from rules.language.syntax import Call, Expression, FactForm, Position, Template
 
 
@@ -25,9 +26,26 @@ def read_fact(node: Node, place: Place, known: Surroundings) -> FactForm:
     relation = relation_of(node, known)
     template = known.templates.get(relation)
     if template is None:
+        for item in node.items[1:]:
+            if isinstance(item, Form) and item.head and not _is_function(item.head, known):
+                raise RuleError(no_template(relation, item, known), item.position)
         fields = tuple(read_expression(item, place, known) for item in node.items[1:])
         return FactForm(relation, fields, node.position)
     return _template_fact(node, template, place, known)
+
+
+def no_template(relation: str, item: Form, known: Surroundings) -> str:
+    """Say that slots are written for what is no template."""
+    if relation in known.shadows:
+        return f"'{relation}' is used as an ordered fact at {known.shadows[relation]}, so it has no slots"
+    near = did_you_mean(relation, known.templates)
+    if not near.startswith("; did"):
+        near = "; is its deftemplate missing?"
+    return f"there is no template '{relation}' with a slot '{item.head}'{near}"
+
+
+def _is_function(name: str, known: Surroundings) -> bool:
+    return name in known.functions or name in arities() or name in HINTS or name in FACT_ACTIONS
 
 
 def _template_fact(form: Form, template: Template, place: Place, known: Surroundings) -> FactForm:

@@ -1,0 +1,24 @@
+"""`ski rules`: what can be done with rule files. Each sub-verb is a module of this package."""
+
+import argparse
+import importlib
+
+SUB_VERBS = {
+    "check": "check rule files, or the rules of missions, without running them",
+    "templates": "print the templates that follow from the board's vocabulary",
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the sub-verbs and their arguments."""
+    verbs = parser.add_subparsers(dest="sub_verb", metavar="SUB-VERB", required=True)
+    for name, text in SUB_VERBS.items():
+        below = verbs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+        module = importlib.import_module(f"rules.command.{name}")
+        module.add_arguments(below)
+        below.set_defaults(call_sub_verb=module.call)
+
+
+def call(options: argparse.Namespace) -> int:
+    """Run the sub-verb."""
+    return int(options.call_sub_verb(options))
