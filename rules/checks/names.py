@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from blackboard.component import Parts
 from blackboard.errors import did_you_mean
@@ -23,7 +24,7 @@ class Board:
     parts: Parts
     certain: bool = True
 
-    @property
+    @cached_property
     def templates(self) -> Mapping[str, KindTemplate]:
         """The kinds' templates by their names."""
         return {made.template.name: made for made in kind_templates(self.parts.vocabulary).values()}

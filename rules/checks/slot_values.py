@@ -36,8 +36,8 @@ class Holds:
 
 def slot_value_findings(program: Program, board: Board) -> Iterator[Finding]:
     """Yield the constants of patterns that can never match."""
-    templates = board.templates
-    holds = {name: slots_hold(template) for name, template in templates.items()}
+    mentioned = {pattern.relation for rule in program.rules for pattern in patterns_in(rule.conditions)}
+    holds = {name: slots_hold(made) for name, made in board.templates.items() if name in mentioned}
     for rule in program.rules:
         for pattern in patterns_in(rule.conditions):
             if pattern.relation not in holds or pattern.slots is None:

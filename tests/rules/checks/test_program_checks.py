@@ -11,6 +11,7 @@ from rules.language.reader import read_text
 from rules.language.templates import planning_templates
 
 VOCABULARY = Vocabulary()
+TEMPLATES = planning_templates(VOCABULARY)
 PARTS = Parts(
     behaviours={"path_following": (("x_m", "y_m"), 0), "wall_following": (("side",), 1), "curiosity": ((), 0)},
     levels=("explore",),
@@ -18,11 +19,12 @@ PARTS = Parts(
     vocabulary=VOCABULARY,
     owners={},
 )
+BOARDS = {certain: Board(PARTS, certain) for certain in (True, False)}
 
 
 def found(text: str, *, certain: bool = True) -> list[str]:
-    program = read_text(text, "a.clp", planning_templates(VOCABULARY))
-    return [str(finding).removeprefix("a.clp:") for finding in findings(program, Board(PARTS, certain))]
+    program = read_text(text, "a.clp", TEMPLATES)
+    return [str(finding).removeprefix("a.clp:") for finding in findings(program, BOARDS[certain])]
 
 
 NAMES = [
@@ -173,7 +175,6 @@ def test_sound_rules_have_no_findings(text: str) -> None:
 
 
 def test_only_errors_keep_rules_from_being_loaded() -> None:
-    templates = planning_templates(VOCABULARY)
-    refuse_faults(read_text("(defrule a (never) => (motivate curiosity))", templates=templates), PARTS)
+    refuse_faults(read_text("(defrule a (never) => (motivate curiosity))", templates=TEMPLATES), PARTS)
     with pytest.raises(RuleErrors, match="no behaviour 'walk'"):
-        refuse_faults(read_text("(defrule a => (motivate walk))", templates=templates), PARTS)
+        refuse_faults(read_text("(defrule a => (motivate walk))", templates=TEMPLATES), PARTS)
