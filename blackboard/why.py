@@ -3,15 +3,11 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-import msgspec
-
 from blackboard.entry import Endorsement, Support
 from blackboard.errors import BoardError, did_you_mean
 from blackboard.journal import JournalLine
 from blackboard.key_expressions import matches
-
-SHOWN_CHARACTERS = 110
-SHOWN_NUMBERS = 16  # a ring of sonars; longer lists are counted
+from blackboard.why_words import is_firing, short, words_of
 
 
 @dataclass
@@ -49,13 +45,13 @@ class Record:
         """Return the newest revision (at or before `at_s`) of the key that `name` says: whole, without `ski/<robot>/`, or an
         expression that matches one key. Raises BoardError where it is none or several.
         """
-        candidates = [key for key in self._revisions if key == name or _short(key) == name]
+        candidates = [key for key in self._revisions if key == name or short(key) == name]
         if not candidates and "*" in name:
-            candidates = [key for key in self._revisions if matches(name, key) or matches(name, _short(key))]
+            candidates = [key for key in self._revisions if matches(name, key) or matches(name, short(key))]
         if not candidates:
-            raise BoardError(f"nothing stood at '{name}'{did_you_mean(name, map(_short, self._revisions))}")
+            raise BoardError(f"nothing stood at '{name}'{did_you_mean(name, map(short, self._revisions))}")
         if len(candidates) > 1:
-            shown = ", ".join(sorted(map(_short, candidates))[:5])
+            shown = ", ".join(sorted(map(short, candidates))[:5])
             raise BoardError(f"'{name}' matches {len(candidates)} keys ({shown}, ...); name one")
         revisions = self._revisions[candidates[0]].values()
         before = [line for line in revisions if at_s is None or line.stamp_s <= at_s]
@@ -66,22 +62,23 @@ class Record:
 
     def explain(self, line: JournalLine, depth: int = 12) -> Reason:
         """Return why an entry stands: a tree whose leaves are readings (entries without supports)."""
-        return self._reason(Support(line.key, line.revision, line.revision), depth, set())
+        return self._reason(Support(line.key, line.revision, line.revision), depth, set(), below=False)
 
-    def _reason(self, support: Support, depth: int, told: set[tuple[str, int, int]]) -> Reason:
+    def _reason(self, support: Support, depth: int, seen: set[tuple[str, int, int]], *, below: bool = True) -> Reason:
         revisions = self._revisions.get(support.key, {})
         first, last = revisions.get(support.first), revisions.get(support.last)
         name = (support.key, support.first, support.last)
         if last is None:
             return Reason(support, "not in this record")
-        reason = Reason(support, _words(support, first or last, last))
+        told = words_of(support, first or last, last)
+        reason = Reason(support, f"because {told}" if below and is_firing(support.key) else told)
         reason.said = said_of(last.endorsements)
-        if name in told:
+        if name in seen:
             reason.repeated = bool(last.supports)
             return reason
-        told.add(name)
+        seen.add(name)
         if depth > 0:
-            reason.reasons = [self._reason(s, depth - 1, told) for s in last.supports]
+            reason.reasons = [self._reason(s, depth - 1, seen) for s in last.supports]
         return reason
 
 
@@ -106,38 +103,3 @@ def said_of(endorsements: Sequence[Endorsement]) -> tuple[str, ...]:
         until = "" if later is None or e.verdict == "withdrawn" else f", until {later.stamp_s:.2f} s"
         words.append(f"{e.verdict} ({by}{until}): {e.why}")
     return tuple(words)
-
-
-def _short(key: str) -> str:
-    return "/".join(key.split("/")[2:])
-
-
-def _words(support: Support, first: JournalLine, last: JournalLine) -> str:
-    name = _short(support.key)
-    if support.first != support.last:
-        count = support.last - support.first + 1
-        return (
-            f"{name}, {count} revisions {support.first} to {support.last} ({first.stamp_s:.2f} to {last.stamp_s:.2f} s), "
-            f"the last: {_brief(last.value)}"
-        )
-    gone = ", retracted" if last.event == "retracted" else ""
-    return f"{name} revision {last.revision}{gone} at {last.stamp_s:.2f} s by {last.source}: {_brief(last.value)}"
-
-
-def _brief(raw: msgspec.Raw) -> str:
-    value = msgspec.json.decode(raw)
-    text = ", ".join(f"{name} {_shown(item)}" for name, item in value.items()) if isinstance(value, dict) else ""
-    return text if len(text) <= SHOWN_CHARACTERS else f"{text[: SHOWN_CHARACTERS - 3]}..."
-
-
-def _shown(item: object) -> str:
-    if isinstance(item, dict):
-        if "zlib_base64" in item:
-            return f"{item['dtype']}{item['shape']}"
-        return f"({', '.join(map(_shown, item.values()))})"
-    if isinstance(item, list):
-        numbers = all(part is None or isinstance(part, int | float) for part in item)
-        return f"[{' '.join(map(_shown, item))}]" if numbers and len(item) <= SHOWN_NUMBERS else f"{len(item)} values"
-    if isinstance(item, float):
-        return f"{item:.3g}"
-    return "-" if item is None else str(item)

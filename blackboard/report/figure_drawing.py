@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PATH_STEP_PX = 2.0
+VISIT_COLOURS = {"reached": palette.TARGET_COLOUR, "blocked": palette.LINE_COLOUR, "underway": palette.FAINT_INK}
 NUMBERED_VISITS = 40  # more of them would hide each other
 
 
@@ -59,7 +60,6 @@ def draw_points(axes: "Axes", points: Points) -> None:
 
 def draw_visits(axes: "Axes", visits: Sequence[Visit]) -> None:
     """Draw the places that the robot was asked to go to, numbered in that order, by what became of them."""
-    looks = {"reached": palette.TARGET_COLOUR, "blocked": palette.LINE_COLOUR, "underway": palette.FAINT_INK}
     words: dict[str, Any] = {
         "fontsize": 4.6,
         "color": palette.rgb(palette.PAPER),
@@ -68,7 +68,7 @@ def draw_visits(axes: "Axes", visits: Sequence[Visit]) -> None:
         "zorder": 7,
     }
     for number, visit in enumerate(visits, 1):
-        draw_diamond(axes, visit.place, 52, palette.rgb(looks[visit.outcome]), palette.PAPER, 0.7)
+        draw_diamond(axes, visit.place, 52, palette.rgb(VISIT_COLOURS[visit.outcome]), palette.PAPER, 0.7)
         if len(visits) <= NUMBERED_VISITS:
             axes.text(visit.place.x_m, visit.place.y_m, str(number), **words)
 

@@ -12,6 +12,7 @@ from blackboard.grid import UNKNOWN
 from blackboard.report import palette
 from blackboard.report.figure_drawing import (
     PATH_STEP_PX,
+    VISIT_COLOURS,
     contrast_of,
     draw_diamond,
     draw_grid,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 Draw = Callable[["Axes", View, float], None]  # on axes over a view, at so many pixels a metre
 Sample = tuple[palette.Colour, str]
 THICK, THIN = 2.0, 1.1  # widths of lines, pt
+OUTCOMES = {"reached": "reached", "blocked": "blocked", "underway": "dropped"}  # of visits, in words
 EARLY, ACCUMULATED = ("6.2 a", "6.2 c"), "6.3"  # figures of the thesis
 
 
@@ -192,10 +194,9 @@ def _targets_panel(result: RunResult, milestones: Milestones) -> Panel | None:
     visits = milestones.visits
     if not visits and not result.targets:
         return None
-    counts = {outcome: sum(v.outcome == outcome for v in visits) for outcome in ("reached", "blocked", "underway")}
-    told = [f"{counts['reached']} reached", f"{counts['blocked']} not reached"] if visits else []
-    told += [f"{counts['underway']} broken off"] if counts["underway"] else []
-    told += [f"{len(result.targets)} open at the end"]
+    counts = {word: sum(v.outcome == outcome for v in visits) for outcome, word in OUTCOMES.items()}
+    counts["open"] = len(result.targets)
+    told = [f"{count} {word}" for word, count in counts.items() if count]
 
     def draw(axes: "Axes", view: View, px_per_m: float) -> None:
         if result.grid is not None:
@@ -208,7 +209,7 @@ def _targets_panel(result: RunResult, milestones: Milestones) -> Panel | None:
         title="Targets, in the order of the visits" if visits else "Targets",
         caption=", ".join(told),
         draw=draw,
-        samples=[(palette.TARGET_COLOUR, "reached"), (palette.LINE_COLOUR, "not reached")] if visits else (),
+        samples=[(VISIT_COLOURS[outcome], word) for outcome, word in OUTCOMES.items() if counts[word]],
     )
 
 

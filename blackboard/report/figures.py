@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from blackboard.report import palette
-from blackboard.report.figure_panels import Panel, panels_of, segments_of
+from blackboard.report.figure_panels import Panel, Sample, panels_of, segments_of
 from blackboard.report.milestones import Milestones
 from blackboard.report.overview import main_figures
 from blackboard.report.result import RunResult
@@ -29,7 +29,8 @@ COLUMNS = 3
 HEAD_PX = 160
 TITLE_PX = 34  # above each panel
 CAPTION_PX = 58  # below each panel
-SAMPLES_PX = 40  # below that, where colours are explained
+SAMPLE_PX = 20  # each row of colours that are explained below that
+LETTER_PX = 7.6  # about as wide as a letter of them
 LEAST_PANELS = 4  # fewer show nothing that overview.png does not
 SHAPE = (0.55, 1.1)  # height over width of a panel's map
 
@@ -51,7 +52,9 @@ def figures_page(result: RunResult, milestones: Milestones, panels: Sequence[Pan
     width_px = (WIDTH_PX - 2 * EDGE_PX - (COLUMNS - 1) * GAP_PX) / COLUMNS
     map_px = round(width_px * whole.height_m / whole.width_m)
     rows = [panels[i : i + COLUMNS] for i in range(0, len(panels), COLUMNS)]
-    rows_px = [TITLE_PX + map_px + CAPTION_PX + (SAMPLES_PX if any(p.samples for p in row) else 0) for row in rows]
+    rows_px = [
+        TITLE_PX + map_px + CAPTION_PX + SAMPLE_PX * max(_sample_rows(p.samples, width_px) for p in row) for row in rows
+    ]
     height_px = HEAD_PX + sum(rows_px)
     figure = Figure(figsize=(WIDTH_PX / DPI, height_px / DPI), dpi=DPI, facecolor=palette.rgb(palette.PAPER))
     FigureCanvasAgg(figure)
@@ -94,6 +97,15 @@ def views_of(result: RunResult, milestones: Milestones) -> tuple[View, View]:
     early = view_of(grid, result.trajectory[:1], ends, result.robot.radius_m)
     shape = whole.height_m / whole.width_m
     return whole, early.widened(shape, shape)
+
+
+def _sample_rows(samples: Sequence[Sample], width_px: float) -> int:
+    """Return how many rows the samples of a panel take, about."""
+    rows, x = 0, width_px
+    for _, label in samples:
+        wide_px = 40 + LETTER_PX * len(label)
+        rows, x = (rows, x + wide_px) if x + wide_px <= width_px else (rows + 1, wide_px)
+    return rows
 
 
 def _draw_caption(

@@ -34,7 +34,7 @@ def test_the_panels_and_their_words(result, milestones):
     assert captions["Grid after 51 scans"] == "at 10 s, 12.2 m²"  # 60 x 80 cells empty, 82 occupied, of 0.0025 m²
     assert captions["Second 2-D lines"] == "1 line, 4.0 m, 512 points, 10 to 20 s"
     assert captions["Merged lines over both"] == "2 lines, 5.5 m at 21 s"
-    assert captions["Targets, in the order of the visits"] == "1 reached, 1 not reached, 0 open at the end"
+    assert captions["Targets, in the order of the visits"] == "1 reached, 1 blocked"
     assert [label for _, label in panels[0].samples] == ["curiosity 12 s", "random wander 18 s"]
 
 
