@@ -8,7 +8,7 @@ journal written, no pictures). With --reflexes beside each run the same mission 
 boundary following and random wander are selected, and nothing decides. With --disturbed a chair is put in the robot's way, a
 person stands in a passage for a minute, and a door closes for good, at times and places drawn with the seed
 (sim/disturbances.py); what can be reached is then what can be from where the robot ends. Odometry errors are on; with --set
-robot.drawn_odometry=true each seed has wheels of its own.
+robot.drawn_odometry=true each seed has wheels of its own. In the world "random" each seed has a floor plan of its own.
 """
 
 import argparse
@@ -31,6 +31,7 @@ from blackboard.journal import FILE_NAME, JournalWriter
 from blackboard.kinds import MISSION, MOTIVATION
 from blackboard.mission import Mission, Spec, find_mission, load_mission, parse_settings
 from blackboard.runner import Run, RunOptions
+from sim.world_by_name import RANDOM
 
 REFLEXES = ("curiosity", "boundary_following", "random_wander")  # what moves the robot where nothing decides
 MOST_JOBS = 2
@@ -102,6 +103,8 @@ def explore(mission: Mission, duration_s: float, seed: int) -> Outcome:
 
 def explore_twice(mission: Mission, duration_s: float, reflexes: bool, seed: int) -> tuple[Outcome, Outcome | None]:
     """Run a mission, and the same for the same time without its rules, where that is asked for."""
+    if mission.robot.params.world == RANDOM:
+        mission = replace(mission, robot=replace(mission.robot, params=replace(mission.robot.params, world_seed=seed)))
     outcome = explore(mission, duration_s, seed)
     return outcome, explore(without_rules(mission), outcome.time_s, seed) if reflexes else None
 

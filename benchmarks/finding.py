@@ -23,7 +23,7 @@ from blackboard.kinds import FOUND_OBJECT, MISSION
 from blackboard.messages.symbols import FoundObject
 from blackboard.mission import Mission, find_mission, load_mission, parse_settings
 from blackboard.runner import Run, RunOptions
-from sim.simulated import load_world
+from sim.world_by_name import load_world
 
 NEAR_M = 0.6  # a confirmed thing is a true one within this distance
 SIZE_M = 0.02  # things of the same radius and colour are looked for

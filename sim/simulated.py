@@ -42,21 +42,21 @@ from sim.laser import laser_sweep, sweep_ranges
 from sim.odometer import Odometer, drawn
 from sim.people import Walker
 from sim.robot_file import load_robot
-from sim.ros_map import load_ros_map
 from sim.sensor_models import TICKS_PER_S
 from sim.shapes import Floats, Shapes
-from sim.shipped import find_file
 from sim.sonar import fire, sonar_fans, true_echoes
 from sim.surroundings import Surroundings
-from sim.world import World
-from sim.world_file import load_world_file
+from sim.world_by_name import load_world
 
 
 @dataclass(frozen=True)
 class SimulatedRobotParams:
     """Which robot, in which world, and what is true to life in it."""
 
-    world: Path = Path("lab")  # a shipped world, a world's .toml, or a ROS map's .yaml
+    world: Path = Path(
+        "lab"
+    )  # a shipped world, a world's .toml, a ROS map's .yaml, or "random": a floor plan drawn from ...
+    world_seed: int = 0
     robot: Path = Path("k2a")
     people: bool = False  # those whom the world knows walk in it
     odometry_errors: bool = True  # off: the wheels tell the truth
@@ -72,19 +72,10 @@ class SimulatedRobotParams:
     def __post_init__(self) -> None:
         if (self.start_x_m is None) != (self.start_y_m is None):
             raise MissionError("start_x_m and start_y_m belong together; give both or none")
+        require(0 <= self.world_seed < 2**31, "world_seed", self.world_seed, "[0, 2147483647]")
         require(0.0 <= self.start_charge_fraction <= 1.0, "start_charge_fraction", self.start_charge_fraction, "[0, 1]")
         if self.start_heading_rad is not None:
             require(abs(self.start_heading_rad) <= 2 * pi, "start_heading_rad", self.start_heading_rad, "[-2 pi, 2 pi]")
-
-
-def load_world(name: Path) -> World:
-    """Return a shipped world, or one from a world file or a ROS map; raise MissionError where it is wrong."""
-    path = find_file(name, "worlds")
-    if path.suffix in (".yaml", ".yml"):
-        return load_ros_map(path)
-    if path.suffix == ".toml":
-        return load_world_file(path)
-    raise MissionError(f"world file '{path}' is neither a world (.toml) nor a ROS map (.yaml)")
 
 
 class SimulatedRobot(Robot[SimulatedRobotParams]):
@@ -95,7 +86,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
     def __init__(self, params: SimulatedRobotParams, *, name: str, seed: int = 0) -> None:
         super().__init__(params, name=name, seed=seed)
         self._model = load_robot(params.robot)
-        self._first_world = load_world(params.world)
+        self._first_world = load_world(params.world, params.world_seed)
         self._description = self._model.description()
         self._start = self._start_pose()
         self._entropy = int(self.rng.integers(2**62))

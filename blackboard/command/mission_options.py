@@ -15,7 +15,9 @@ def add_mission_options(parser: argparse.ArgumentParser, *, mission: bool = True
         known = ", ".join(shipped_missions())
         parser.add_argument("mission", help=f"a shipped mission ({known}) or a .toml file")
         parser.add_argument(
-            "--world", default=os.environ.get("SKI_WORLD"), help="a shipped world, a world.toml or a ROS map.yaml"
+            "--world",
+            default=os.environ.get("SKI_WORLD"),
+            help="a shipped world, a world.toml, a ROS map.yaml, or random",
         )
     parser.add_argument("--robot", default=os.environ.get("SKI_ROBOT"), help="a shipped robot or a robot.toml")
     parser.add_argument(

@@ -10,7 +10,7 @@ from blackboard.errors import MissionError
 from blackboard.messages.geometry import Pose
 from sim.robot_file import load_robot
 from sim.shipped import shipped_names
-from sim.simulated import load_world
+from sim.world_by_name import load_world
 from sim.world_file import load_world_file
 
 FLOOR = "[floor]\noutline = [[0, 0], [8, 0], [8, 5], [0, 5], [0, 0]]\n"
