@@ -32,7 +32,7 @@ class Difference:
     wanted: str
 
     def __str__(self) -> str:
-        return f"{self.place} is {self.found}, not {self.wanted}"
+        return f"{self.place} is {self.found}, wanted {self.wanted}"
 
 
 class Matcher:
@@ -199,5 +199,10 @@ def _row(constraints: Sequence[Constraint], fields: Sequence[Value]) -> list[tup
     return list(zip(constraints, values, strict=True))
 
 
+def rounded(value: Value) -> Value:
+    """Return a value as it is shown: numbers to six digits."""
+    return float(f"{value:.6g}") if isinstance(value, float) else value
+
+
 def _shown(value: Value) -> str:
-    return "empty" if value == () else written(value)
+    return "empty" if value == () else written(rounded(value))

@@ -5,11 +5,12 @@ from collections.abc import Iterator, Mapping
 from blackboard.vocabulary import Vocabulary
 from rules.explaining.record import Situation
 from rules.explaining.why_not import Obstacle, Verdict, Way, brief
-from rules.language.syntax import Action, Assert, If, Program, Rule
+from rules.language.syntax import Action, Assert, Constant, FactForm, If, Pattern, Program, Rule
 from rules.language.templates import kind_templates
-from rules.language.values import FactValue
+from rules.language.values import FactValue, same
 
 WAYS_SHOWN = 3
+RULES_SHOWN = 6
 
 
 def told(verdict: Verdict, then: Situation) -> Iterator[str]:
@@ -54,26 +55,43 @@ def _blocked(obstacle: Obstacle, then: Situation) -> Iterator[str]:
 
 def _where_from(obstacle: Obstacle, program: Program) -> Iterator[str]:
     """Yield where facts of the relation that is asked for come from."""
-    relation = obstacle.relation
-    if relation is None:
+    if (pattern := obstacle.pattern) is None:
         return
-    makers = [rule.name for rule in program.rules if relation in _asserted(rule.actions)]
+    relation = pattern.relation
+    makers = [rule.name for rule in program.rules if any(_fits(form, pattern) for form in _asserted(rule.actions))]
     if makers:
-        yield f"({relation} ...) is asserted by {', '.join(makers)}"
+        more = f" and {len(makers) - RULES_SHOWN} more" if len(makers) > RULES_SHOWN else ""
+        yield f"what would match is asserted by {', '.join(makers[:RULES_SHOWN])}{more}"
     kinds = {made.template.name: made.kind for made in kind_templates(Vocabulary()).values()}
     boards = {template.name for template in program.templates if template.position is None}
     if relation in kinds and relation in boards:
         yield f"({relation} ...) is an entry of {kinds[relation].path} on the board"
 
 
-def _asserted(actions: tuple[Action, ...]) -> set[str]:
-    found: set[str] = set()
+def _asserted(actions: tuple[Action, ...]) -> Iterator[FactForm]:
     for action in actions:
         if isinstance(action, Assert):
-            found |= {fact.relation for fact in action.facts}
+            yield from action.facts
         elif isinstance(action, If):
-            found |= _asserted((*action.then, *action.otherwise))
-    return found
+            yield from _asserted((*action.then, *action.otherwise))
+
+
+def _fits(form: FactForm, pattern: Pattern) -> bool:
+    """Say whether a fact of this form may match: the same relation, and no constant in another's place."""
+    if form.relation != pattern.relation or (form.slots is None) is not (pattern.slots is None):
+        return False
+    if form.slots is None and len(form.fields) != len(pattern.constraints):
+        return True  # one of them has a multifield
+    places = range(len(pattern.constraints)) if pattern.slots is None else pattern.slots
+    fields = dict(zip(range(len(form.fields)) if form.slots is None else form.slots, form.fields, strict=False))
+    for place, constraint in zip(places, pattern.constraints, strict=True):
+        field = fields.get(place)
+        wanted = [atoms[0] for atoms in constraint.alternatives if len(atoms) == 1]
+        constants = [a.term.value for a in wanted if isinstance(a.term, Constant) and not a.negated]
+        only_constants = len(constants) == len(constraint.alternatives)
+        if isinstance(field, Constant) and only_constants and not any(same(field.value, one) for one in constants):
+            return False
+    return True
 
 
 def _history(rule: Rule, then: Situation) -> str:

@@ -3,13 +3,14 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from rules.explaining.matching import Bindings, Matcher, test_text
+from rules.explaining.matching import Bindings, Matcher, rounded, test_text
 from rules.language.alternatives import alternatives
 from rules.language.syntax import Condition, Exists, Match, Not, Pattern, Position, Program, Rule, Test
 from rules.language.values import FactValue, Value
 from rules.language.writing import condition_text
 
 NEAREST_SHOWN = 3
+FARTHER = 1  # a fact with more differences than the nearest has, and this, says nothing more
 BRIEF_LETTERS = 120
 MOST_STEPS = 500_000  # facts looked at: a join that big is cut off, and that is told
 
@@ -51,12 +52,12 @@ class Obstacle:
         return self.condition.pattern.position if isinstance(self.condition, Match) else self.condition.position
 
     @property
-    def relation(self) -> str | None:
-        """The relation of the facts that it asks for, or that must not stand; None for a test."""
+    def pattern(self) -> Pattern | None:
+        """The pattern of the facts that it asks for, or that must not stand; None for a test."""
         condition = self.condition
         while not isinstance(condition, Match | Test):
             condition = condition.condition if isinstance(condition, Not) else condition.conditions[0]
-        return condition.pattern.relation if isinstance(condition, Match) else None
+        return condition.pattern if isinstance(condition, Match) else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,18 +181,24 @@ class _Search:
                 if index not in told or len(differences) < told[index][0]:
                     told[index] = (len(differences), ", ".join(map(str, differences)))
         nearest = sorted(told.items(), key=lambda item: (item[1][0], -item[0]))
-        for index, (_, text) in nearest[:NEAREST_SHOWN]:
-            yield f"{brief(self._facts[index])}: {text}"
-        if len(nearest) > NEAREST_SHOWN:
-            yield f"and {len(nearest) - NEAREST_SHOWN} more that differ as much or more"
+        near = [(index, text) for index, (count, text) in nearest if count <= nearest[0][1][0] + FARTHER][
+            :NEAREST_SHOWN
+        ]
+        for index, text in near:
+            yield f"{brief(self._facts[index], pattern.slots)}: {text}"
+        if len(nearest) > len(near):
+            yield f"and {len(nearest) - len(near)} more that differ as much or more"
 
 
-def brief(fact: FactValue) -> str:
-    """Return a fact without what only tells where it came from, cut where it is long."""
-    slots = fact.slots
-    if slots is not None and "key" in slots:
-        kept = [i for i, slot in enumerate(slots) if slot not in ("key", "stamp-s")]
-        fact = FactValue(fact.relation, tuple(fact.fields[i] for i in kept), tuple(slots[i] for i in kept))
+def brief(fact: FactValue, asked: Iterable[str] | None = None) -> str:
+    """Return a fact by the slots that are asked about (and its id), else without what only tells where it came from."""
+    if fact.slots is not None:
+        shown = ("id", *asked) if asked is not None else [slot for slot in fact.slots if slot not in ("key", "stamp-s")]
+        kept = [i for i, slot in enumerate(fact.slots) if slot in shown]
+        slots = tuple(fact.slots[i] for i in kept)
+        fact = FactValue(fact.relation, tuple(rounded(fact.fields[i]) for i in kept), slots)
+    else:
+        fact = FactValue(fact.relation, tuple(map(rounded, fact.fields)))
     text = str(fact)
     return text if len(text) <= BRIEF_LETTERS else f"{text[: BRIEF_LETTERS - 4]}...)"
 

@@ -83,15 +83,15 @@ def test_why_not_in_words(folder: Path) -> None:
         "nearest-target-go (explore.clp:2): Go there",
         "  At 1.5 s condition 3 of 4 kept it from firing: no fact matches it.",
         "    (travel (id ?target) (state reachable) (length-m ?length&:(< ?length 5.0)))   at explore.clp:5",
-        "      (travel (id frontier-1) (state reachable) (stand-x-m 1.0) (stand-y-m 2.0) (length-m 9.0)): "
-        "length-m is 9.0, not ?length&:(< ?length 5.0)",
+        "      (travel (id frontier-1) (state reachable) (length-m 9.0)): "
+        "length-m is 9.0, wanted ?length&:(< ?length 5.0)",
         "    (travel ...) is an entry of hypotheses/feature/travel on the board",
         "  The conditions before it hold: (mode choose) (clock (time-s 1.5))",
         "  It had never fired until then.",
     ]
     later = words(folder, "nearest-target-go", 6.0)
     assert later[1] == "  At 6 s condition 4 of 4 kept it from firing: what must not be is so."
-    assert later[3:5] == ["      there is (given-up frontier-1)", "    (given-up ...) is asserted by blocked-give-up"]
+    assert later[3:5] == ["      there is (given-up frontier-1)", "    what would match is asserted by blocked-give-up"]
     assert later[-1] == "  It had fired once until then, the last time at 3.00 s."
 
 

@@ -56,8 +56,9 @@ def test_the_nearest_facts_and_what_is_different() -> None:
     )
     assert (number, verdict) == (2, "no fact matches it")
     assert reasons == (
-        "(travel (id a) (state reachable) (length-m 7.5)): length-m is 7.5, not ?l&:(< ?l ?*near-m*) (where ?*near-m* is 5.0)",
-        "(travel (id b) (state unreachable) (length-m 1)): id is b, not ?t (where ?t is a), state is unreachable, not reachable",
+        "(travel (id a) (state reachable) (length-m 7.5)): length-m is 7.5, wanted ?l&:(< ?l ?*near-m*) (where ?*near-m* is 5.0)",
+        "(travel (id b) (state unreachable) (length-m 1)): id is b, wanted ?t (where ?t is a), "
+        "state is unreachable, wanted reachable",
     )
 
 
@@ -66,7 +67,7 @@ def test_the_way_that_leads_farthest_is_told() -> None:
         "(mode ?m) (uses ?m ?b) (behaviour ?b idle)", "(mode go) (mode rest) (uses go path) (behaviour path active)"
     )
     assert number == 3  # (mode rest) ends at the second
-    assert reasons == ("(behaviour path active): field 2 is active, not idle",)
+    assert reasons == ("(behaviour path active): field 2 is active, wanted idle",)
 
 
 def test_a_test_and_its_values() -> None:

@@ -1,0 +1,35 @@
+"""`ski rules why-not RULE [--in DIR] [--at S]`: which condition kept a rule from firing then."""
+
+import argparse
+import json
+import sys
+
+from blackboard.command.run_folder import add_run_folder, run_folder, stamp
+from blackboard.errors import did_you_mean
+from blackboard.journal import read_journal
+from rules.explaining.record import situation
+from rules.explaining.told import as_dict, told
+from rules.explaining.why_not import why_not
+from rules.language.errors import RuleError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the verb's arguments."""
+    parser.add_argument("rule", help="the name of a rule")
+    add_run_folder(parser)
+    parser.add_argument("--at", type=stamp, metavar="S", help="as of this stamp (seconds); default: the run's end")
+    parser.add_argument("--json", action="store_true", help="print the answer as JSON")
+
+
+def call(options: argparse.Namespace) -> int:
+    """Run the verb."""
+    then = situation(read_journal(run_folder(options)), options.at)
+    rules = {rule.name: rule for rule in then.program.rules}
+    if options.rule not in rules:
+        raise RuleError(f"no rule '{options.rule}' was in force{did_you_mean(options.rule, rules)}")
+    verdict = why_not(then.program, rules[options.rule], then.facts)
+    if options.json:
+        sys.stdout.write(json.dumps(as_dict(verdict, then), indent=2) + "\n")
+    else:
+        sys.stdout.write("\n".join(told(verdict, then)) + "\n")
+    return 0
