@@ -80,13 +80,14 @@ class Variables:
         if constraint.binds is not None:
             allowed = [_constants(atoms) for atoms in constraint.alternatives]
             if all(allowed):
-                self._one_of(constraint.binds.name, [values[0] for values in allowed], constraint.position)
+                self.one_of(constraint.binds.name, [values[0] for values in allowed], constraint.position)
         if len(constraint.alternatives) == 1:
             for atom in only:
                 if isinstance(atom.term, Predicate) and not atom.negated:
                     self._expression(atom.term.expression)
 
-    def _one_of(self, variable: str, values: list[Value], position: Position) -> None:
+    def one_of(self, variable: str, values: list[Value], position: Position) -> None:
+        """Take in that a variable is one of these values."""
         before = self.words.get(variable)
         left = values if before is None else [value for value in before if any(same(value, v) for v in values)]
         self.words[variable] = left

@@ -2,8 +2,10 @@
 
 from blackboard.component import Parts
 from rules.checks.bounds import bound_findings
+from rules.checks.endless import endless_findings
 from rules.checks.finding import Finding, in_order
 from rules.checks.names import Board, name_findings
+from rules.checks.order import order_findings
 from rules.checks.reach import reach_findings
 from rules.checks.slot_values import slot_value_findings
 from rules.language.errors import RuleError, RuleErrors
@@ -18,6 +20,8 @@ def findings(program: Program, board: Board) -> list[Finding]:
             *slot_value_findings(program, board),
             *reach_findings(program),
             *bound_findings(program),
+            *order_findings(program),
+            *endless_findings(program),
         ]
     )
 
