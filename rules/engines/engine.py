@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from rules.language.errors import RuleError
 from rules.language.syntax import Program
 from rules.language.values import FactValue, Value
 
@@ -42,6 +43,11 @@ class Firing:
     changes: tuple[FactChange, ...] = ()
     printed: str = ""
     error: str | None = None
+
+
+def told(error: Exception) -> str:
+    """Return what an action raised as one line: what is no fault of a rule is told with its kind."""
+    return str(error) if isinstance(error, RuleError) else f"{type(error).__name__}: {error}"
 
 
 class Engine(ABC):

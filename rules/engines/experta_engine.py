@@ -6,12 +6,11 @@ experta's engine, rules, facts, agenda, with a matcher and a strategy of our own
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 
 from rules.engines.compilation import Act, experta_rules
-from rules.engines.engine import Activation, Engine, External, FactChange, Firing
+from rules.engines.engine import Activation, Engine, External, FactChange, Firing, told
 from rules.engines.knowledge_base import KnowledgeBase
 from rules.engines.matching.network import Network
 from rules.engines.strategy import RuleActivation
 from rules.language.actions import ActionCompiler
-from rules.language.errors import RuleError
 from rules.language.syntax import Program, Rule
 from rules.language.values import FactValue, Value
 
@@ -81,10 +80,8 @@ class ExpertaEngine(Engine):
         error = None
         try:
             waiting.rule(bindings=waiting.context)
-        except RuleError as fault:
-            error = str(fault)
-        except Exception as fault:  # of an external function: told with its kind, and the other rules go on
-            error = f"{type(fault).__name__}: {fault}"
+        except Exception as fault:  # also of an external function: the other rules go on
+            error = told(fault)
         return Firing(_shown(waiting), tuple(self._changes), "".join(self._printed), error)
 
     @property
