@@ -20,7 +20,7 @@ def forbidden(nears: Iterable[Near], left_m: float, right_m: float, look_m: floa
         low = bearing_rad - _reach_rad(distance_m, left_m, look_m)  # it lies to the left of such ways
         high = bearing_rad + _reach_rad(distance_m, right_m, look_m)
         if low < high:
-            ways += [(low, high), (low - 2.0 * pi, high - 2.0 * pi)]
+            ways += [(low + whole_rad, high + whole_rad) for whole_rad in (-2.0 * pi, 0.0, 2.0 * pi)]
     return ways
 
 

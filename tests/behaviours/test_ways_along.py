@@ -1,7 +1,7 @@
 from math import asin, atan2, cos, hypot, pi, radians, sin
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from behaviours.near_echoes import Near
@@ -86,6 +86,7 @@ def test_a_wall_beside_counts_before_one_ahead() -> None:
 
 
 @given(echoes)
+@example([(0.5, -3.0)])  # behind, and to the left of the first way tried
 def test_the_way_keeps_its_distance_from_every_echo(points: list[tuple[float, float]]) -> None:
     """A disc that goes along the way touches nothing, or leaves what it is too near to already."""
     nears = [(r, b, 0.1, 0.0, True) for r, b in points]
