@@ -50,7 +50,7 @@ class PathFollowingParams:
     amplitude: float = 0.8  # of full speed: avoid-obstacles answers one echo at its balance distance with 1
     ahead_m: float = 0.4  # to the point that it goes for: cuts corners by less than a third of that
     slow_m: float = 0.5  # within this of the end the vector gets shorter
-    reached_m: float = 0.2  # about as well as the pose is known, and inside the robot's own radius
+    reached_m: float = 0.3  # about the robot's own radius: nearer, it fights over centimetres with what stands there
     narrow_m: float = 0.3  # where things lie so near to the rim, avoid-obstacles may let nobody through
     narrow_ahead_m: float = 0.6  # begins so far before a narrow place: from there its sides push back
     narrow_gain: float = 0.1  # of avoid-obstacles there: it still keeps to the middle, and the safety layer keeps off

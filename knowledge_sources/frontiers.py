@@ -9,9 +9,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
-from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN, Grid
+from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN, Grid, KnownPart
+from knowledge_sources.room_to_move import Room, squared_distances
 
 Mask = npt.NDArray[np.bool_]
+Cornered = Grid | KnownPart | Room  # whatever says where its first cell lies and how large cells are
+ROUNDING = 1e-6  # of a cell
+BESIDE_M = 0.1  # between a frontier and where the robot's centre could come to beyond it: blur
 EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=np.bool_)
 
 
@@ -32,12 +36,11 @@ class Standing:
     y_m: float
 
 
-def frontier_mask(grid: Grid, depth_cells: int) -> Mask:
+def frontier_mask(cells: npt.NDArray[np.uint8], depth_cells: int) -> Mask:
     """Return the empty cells (rows, columns) beside a block of undecided cells of depth_cells x depth_cells at least.
 
     Thinner undecided strips are the blurred front of a wall.
     """
-    cells = grid.cells
     around = np.pad(
         (cells > EMPTY_MAX) & (cells < OCCUPIED_MIN), depth_cells, constant_values=True
     )  # nobody knows of it
@@ -61,10 +64,10 @@ def pieces(mask: Mask) -> list[npt.NDArray[np.int64]]:
     return np.split(cells[order], starts) if count else []
 
 
-def frontiers(grid: Grid, least_m: float, depth_cells: int) -> list[Frontier]:
-    """Return the frontiers of at least this length, the lowest first."""
+def frontiers(mask: Mask, grid: Cornered, least_m: float) -> list[Frontier]:
+    """Return the frontiers of at least this length in a mask of the grid's cells, the lowest first."""
     found = []
-    for cells in pieces(frontier_mask(grid, depth_cells)):
+    for cells in pieces(mask):
         length_m = _length_cells(cells) * grid.cell_m
         if length_m < least_m:
             continue
@@ -73,6 +76,51 @@ def frontiers(grid: Grid, least_m: float, depth_cells: int) -> list[Frontier]:
         x_m, y_m = cell_centre(grid, row, column)
         found.append(Frontier(x_m=x_m, y_m=y_m, length_m=length_m))
     return found
+
+
+def within_reach(mask: Mask, places: Mask, reach_m: float, cell_m: float) -> Mask:
+    """Return those cells of a mask that lie so near to some of these places."""
+    near: Mask = squared_distances(places, ceil(reach_m / cell_m)) <= (reach_m / cell_m + ROUNDING) ** 2
+    return mask & near
+
+
+def could_be_reached(room: Room, radius_m: float, least_m2: float) -> Mask:
+    """Return where the robot's centre may not be yet, and could if all that is unknown were empty.
+
+    Only what it would come to from where it may be now, in pieces of at least this area; beyond the known part all is unknown.
+    A gap in a wall that is too narrow for the robot leads nowhere.
+    """
+    radius = radius_m / room.cell_m + ROUNDING
+    rim = ceil(radius) + 1
+    around = np.pad(room.cells >= OCCUPIED_MIN, rim)
+    labels, count = ndimage.label(squared_distances(around, rim) > radius**2)
+    now = np.pad(room.open, rim)
+    mine = np.zeros(count + 1, np.bool_)
+    mine[labels[now]] = True
+    mine[0] = False
+    fresh = mine[labels] & ~now
+    labels, count = ndimage.label(fresh, structure=EIGHT_NEIGHBOURS)
+    large = np.bincount(labels.ravel(), minlength=count + 1) * room.cell_m**2 >= least_m2
+    large[0] = False
+    kept: Mask = large[labels][rim:-rim, rim:-rim]
+    return kept
+
+
+def open_place_near(grid: Grid, room: Room, x_m: float, y_m: float, reach_m: float) -> Standing | None:
+    """Return the place nearest to (x, y), within reach_m of it, where the robot's centre may be and sees it."""
+    row, column = room.cell(x_m, y_m)
+    reach = ceil(reach_m / room.cell_m)
+    r0, c0 = max(row - reach, 0), max(column - reach, 0)
+    free = np.argwhere(room.open[r0 : max(row + reach + 1, 0), c0 : max(column + reach + 1, 0)]) + np.array([r0, c0])
+    xs, ys = room.x_min_m + (free[:, 1] + 0.5) * room.cell_m, room.y_min_m + (free[:, 0] + 0.5) * room.cell_m
+    distances = np.hypot(xs - x_m, ys - y_m)
+    for best in np.argsort(distances, kind="stable").tolist():
+        if distances[best] > reach_m:
+            return None
+        x, y = float(xs[best]), float(ys[best])
+        if in_sight(grid, (x, y), (x_m, y_m), float(distances[best])):
+            return Standing(x_m=x, y_m=y)
+    return None
 
 
 def place_to_stand(
@@ -122,12 +170,12 @@ def in_sight(grid: Grid, eye: tuple[float, float], place: tuple[float, float], u
     return bool((grid.values_at(eye + steps[:, None] / length_m * way) < OCCUPIED_MIN).all())
 
 
-def cell_centre(grid: Grid, row: int, column: int) -> tuple[float, float]:
+def cell_centre(grid: Cornered, row: int, column: int) -> tuple[float, float]:
     """Return the middle of a cell, map frame."""
     return grid.x_min_m + (column + 0.5) * grid.cell_m, grid.y_min_m + (row + 0.5) * grid.cell_m
 
 
-def unknown_near(mask: Mask, grid: Grid, x_m: float, y_m: float, reach_m: float) -> float:
+def unknown_near(mask: Mask, grid: Cornered, x_m: float, y_m: float, reach_m: float) -> float:
     """Return the length of the frontier within reach_m of a place."""
     reach = ceil(reach_m / grid.cell_m)
     column, row = floor((x_m - grid.x_min_m) / grid.cell_m), floor((y_m - grid.y_min_m) / grid.cell_m)

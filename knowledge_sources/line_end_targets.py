@@ -68,7 +68,7 @@ def line_end_targets(
 ) -> list[tuple[Target, list[Wall]]]:
     """Return a target for each place where walls end and a robot of this radius could come near, with those walls."""
     of_end = {end: wall for wall in walls if 2 * wall.half_length_m >= params.least_m for end in wall.ends}
-    mask = frontier_mask(grid, params.depth_cells)
+    mask = frontier_mask(grid.cells, params.depth_cells)
     found = []
     for group in merged(of_end, params.merge_radii * radius_m):
         x_m, y_m = sum(p[0] for p in group) / len(group), sum(p[1] for p in group) / len(group)

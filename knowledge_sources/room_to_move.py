@@ -12,7 +12,7 @@ from math import ceil, floor
 import numpy as np
 import numpy.typing as npt
 
-from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN, KnownPart
+from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN, UNKNOWN, KnownPart
 from knowledge_sources.ways_params import WaysParams
 
 Mask = npt.NDArray[np.bool_]
@@ -20,15 +20,17 @@ Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.uint8]
 Squares = npt.NDArray[np.int32]
 ROUNDING = 1e-6  # of a cell
-BLUR_CELLS = 2.0  # so wide the rim's surroundings are blurred on the grid
+BLUR_M = 0.1  # so wide the rim's surroundings are blurred on the grid
+BLIND_M = 0.25  # and so far from the rim cones are narrower than cells, and leave some of them out
 
 
 @dataclass(frozen=True, eq=False)
 class Room:
     """Where a robot may be: `open` and `cost` (of a metre) by cells (rows, columns); `squares` are capped squared distances in
-    cells to the nearest occupied one. Lower left corner of cell (0, 0), map frame.
+    cells to the nearest occupied one. `cells` are those of the grid, with what the robot covers. Lower left corner, map frame.
     """
 
+    cells: Cells
     open: Mask
     cost: npt.NDArray[np.float32]
     squares: Squares
@@ -70,37 +72,40 @@ def squared_distances(things: Mask, reach_cells: int) -> Squares:
     return np.minimum(nearest, np.int32(cap * cap))
 
 
-def room_to_move(known: KnownPart, radius_m: float, place: tuple[float, float], params: WaysParams) -> Room:
-    """Return where a robot of this radius, which stands at `place` now, may be.
+def room_to_move(known: KnownPart, radius_m: float, place: tuple[float, float] | None, params: WaysParams) -> Room:
+    """Return where a robot of this radius, which stands at `place` now (None: nobody knows), may be.
 
     Where its body is nothing stands. Where it stands too near to something it may leave over what is no tighter than its place.
     """
     cell_m = known.cell_m
     beyond = ceil((radius_m + params.comfort_m) / cell_m)
-    row, column = floor((place[1] - known.y_min_m) / cell_m), floor((place[0] - known.x_min_m) / cell_m)
+    row = column = -1
     cells = np.array(known.cells)
-    _clear_body(cells, row, column, radius_m / cell_m)
+    if place is not None:
+        row, column = floor((place[1] - known.y_min_m) / cell_m), floor((place[0] - known.x_min_m) / cell_m)
+        _clear_body(cells, row, column, radius_m, cell_m)
     occupied = squared_distances(cells >= OCCUPIED_MIN, beyond)
     closing = max(1, floor(params.unknown_fraction * radius_m / cell_m + ROUNDING))
     around = np.pad(cells > EMPTY_MAX, closing, constant_values=True)  # nobody knows what lies beyond
     unknown = squared_distances(around, closing)[closing:-closing, closing:-closing]
     radius, unknown_radius = radius_m / cell_m + ROUNDING, params.unknown_fraction * radius_m / cell_m + ROUNDING
-    open_ = (occupied > radius**2) & (unknown > unknown_radius**2)
-    _let_out(open_, occupied, unknown, row, column, ceil(params.escape_m / cell_m))
+    open_: Mask = (occupied > radius**2) & (unknown > unknown_radius**2)
+    if place is not None:
+        _let_out(open_, occupied, unknown, row, column, ceil(params.escape_m / cell_m))
     distance_m = np.sqrt(np.arange((beyond + 1) ** 2 + 1)) * cell_m
     nearness = (radius_m + params.comfort_m - distance_m) / max(params.comfort_m, cell_m)
     by_squares = (1.0 + params.near_cost * np.maximum(nearness, 0.0)).astype(np.float32)
-    return Room(open_, by_squares[occupied], occupied, known.x_min_m, known.y_min_m, cell_m)
+    return Room(cells, open_, by_squares[occupied], occupied, known.x_min_m, known.y_min_m, cell_m)
 
 
-def _clear_body(cells: Cells, row: int, column: int, radius_cells: float) -> None:
-    """Empty what lies under the robot: unknown cells and some around, which no sensor sees, occupied ones but for the rim."""
-    window, away = _window(cells.shape, row, column, ceil(radius_cells + BLUR_CELLS))
+def _clear_body(cells: Cells, row: int, column: int, radius_m: float, cell_m: float) -> None:
+    """Empty what lies under the robot, but for its rim, and the cells near by of which nothing was heard: it would have been."""
+    window, away = _window(cells.shape, row, column, ceil((radius_m + BLIND_M) / cell_m))
     if window is None:
         return
     part = cells[window]
-    part[(away <= (radius_cells + BLUR_CELLS) ** 2) & (part < OCCUPIED_MIN)] = 0
-    part[away <= max(radius_cells - BLUR_CELLS, 0.0) ** 2] = 0
+    part[(away <= ((radius_m + BLIND_M) / cell_m) ** 2) & (part <= UNKNOWN)] = 0
+    part[away <= (max(radius_m - BLUR_M, 0.0) / cell_m) ** 2] = 0
 
 
 def _let_out(open_: Mask, occupied: Squares, unknown: Squares, row: int, column: int, reach: int) -> None:

@@ -85,10 +85,10 @@ def test_it_goes_towards_a_point_ahead_and_slower_near_the_end() -> None:
     response = walk.at(1.0, 2.0, 0.5, pi / 2)
     assert response is not None
     assert (response.forward, response.left) == (pytest.approx(PARAMS.amplitude), pytest.approx(0.0, abs=1e-9))
-    response = walk.at(2.0, 2.0, 1.75, pi / 2)
+    response = walk.at(2.0, 2.0, 1.65, pi / 2)
     assert response is not None
-    assert response.forward == pytest.approx(PARAMS.amplitude * 0.25 / PARAMS.slow_m)
-    assert walk.at(3.0, 2.0, 1.85) is None
+    assert response.forward == pytest.approx(PARAMS.amplitude * 0.35 / PARAMS.slow_m)
+    assert walk.at(3.0, 2.0, 1.75) is None
     assert walk.behaviour.done()
     assert walk.behaviour.progress().outcome == "reached"
     walk.behaviour.select((2.0, 2.0))

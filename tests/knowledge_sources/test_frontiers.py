@@ -6,7 +6,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blackboard.grid import Grid
-from knowledge_sources.frontiers import frontier_mask, frontiers, in_sight, merged, pieces, place_to_stand, unknown_near
+from knowledge_sources.frontiers import (
+    Frontier,
+    could_be_reached,
+    frontier_mask,
+    frontiers,
+    in_sight,
+    merged,
+    pieces,
+    place_to_stand,
+    unknown_near,
+    within_reach,
+)
+from knowledge_sources.room_to_move import room_to_move
+from knowledge_sources.ways_params import WaysParams
 
 
 def room(door: tuple[float, float] | None) -> Grid:
@@ -24,24 +37,28 @@ def room(door: tuple[float, float] | None) -> Grid:
     return grid
 
 
+def found_in(grid: Grid, least_m: float, depth_cells: int) -> list[Frontier]:
+    return frontiers(frontier_mask(grid.cells, depth_cells), grid, least_m)
+
+
 def test_a_closed_room_has_no_frontier_and_a_door_is_one() -> None:
-    assert frontiers(room(None), 0.1, 3) == []
-    (found,) = frontiers(room((-0.3, 0.5)), 0.5, 3)
+    assert found_in(room(None), 0.1, 3) == []
+    (found,) = found_in(room((-0.3, 0.5)), 0.5, 3)
     assert (found.x_m, found.y_m) == pytest.approx((0.975, 0.1), abs=0.03)
     assert found.length_m == pytest.approx(0.8)
-    assert frontiers(room((-0.3, 0.5)), 0.9, 3) == []
+    assert found_in(room((-0.3, 0.5)), 0.9, 3) == []
 
 
 def test_a_thin_undecided_strip_is_no_frontier() -> None:
     grid = room(None)
     grid.cells[54:74, 60:62] = 128  # two cells wide
-    assert frontiers(grid, 0.1, 3) == []
-    assert len(frontiers(grid, 0.1, 2)) == 1  # all round it
+    assert found_in(grid, 0.1, 3) == []
+    assert len(found_in(grid, 0.1, 2)) == 1  # all round it
 
 
 def test_every_frontier_cell_is_empty_and_beside_an_undecided_one() -> None:
     grid = room((-0.5, 0.5))
-    rows, columns = np.nonzero(frontier_mask(grid, 3))
+    rows, columns = np.nonzero(frontier_mask(grid.cells, 3))
     assert len(rows) == 20
     assert (grid.cells[rows, columns] == 0).all()
     assert (grid.cells[rows, columns + 1] == 128).all()
@@ -80,14 +97,38 @@ def test_frontiers_reach_to_the_edge_of_what_is_stored() -> None:
     grid = Grid(0.05)
     grid.cover(0.0, 0.0, 3.1, 3.1)  # one tile, all of it empty: nobody knows what lies beyond
     grid.cells[:] = 0
-    (found,) = frontiers(grid, 0.5, 3)
-    assert len(pieces(frontier_mask(grid, 3))[0]) == 4 * 63
+    (found,) = found_in(grid, 0.5, 3)
+    assert len(pieces(frontier_mask(grid.cells, 3))[0]) == 4 * 63
     assert found.length_m == pytest.approx(3.2 * 2**0.5, abs=0.1)
+
+
+def test_the_robot_could_come_to_what_lies_behind_a_gap_that_it_fits_through() -> None:
+    for door, beyond in (((-0.3, 0.5), True), ((-0.25, 0.25), False), (None, False)):
+        part = room(door).known_part()
+        assert part is not None
+        place = room_to_move(part, 0.3, (0.0, 0.0), WaysParams())
+        fresh = could_be_reached(place, 0.3, 0.1)
+        assert fresh.any() == beyond, door
+        assert not (fresh & place.open).any()
+
+
+def test_a_pocket_too_small_to_enter_is_left_out() -> None:
+    grid = room(None)
+    grid.cells[58:62, 58:62] = 128  # undecided cells
+    part = grid.known_part()
+    assert part is not None
+    place = room_to_move(part, 0.3, None, WaysParams())
+    held_m2 = could_be_reached(place, 0.3, 0.0).sum() * 0.05**2
+    assert 0.2 < held_m2 < 0.6  # closed within 0.21 m of them
+    assert could_be_reached(place, 0.3, held_m2 + 0.01).sum() == 0
+    near = within_reach(place.open, could_be_reached(place, 0.3, 0.1), 0.1, 0.05)
+    assert near.any()
+    assert not near[place.open].all()
 
 
 def test_the_frontier_around_a_place_is_measured() -> None:
     grid = room((-0.3, 0.5))
-    mask = frontier_mask(grid, 3)
+    mask = frontier_mask(grid.cells, 3)
     assert unknown_near(mask, grid, 1.0, 0.1, 1.0) == pytest.approx(0.8)
     assert unknown_near(mask, grid, 1.0, -0.3, 0.2) == pytest.approx(0.2, abs=0.051)
     assert unknown_near(mask, grid, -1.0, 0.0, 0.5) == 0.0

@@ -9,8 +9,8 @@ from blackboard.component import KnowledgeSource
 from blackboard.entry import Support
 from blackboard.errors import MissionError
 from blackboard.grid import Grid, tile_id
-from blackboard.kinds import GRID, LINE, ROBOT, TARGET
-from blackboard.messages.geometry import Point
+from blackboard.kinds import GRID, LINE, ODOM_FROM_ROBOT, ROBOT, TARGET
+from blackboard.messages.geometry import Point, Pose
 from blackboard.messages.sensing import RobotDescription
 from blackboard.messages.world import Line
 from blackboard.parameters import parse_parameters
@@ -71,8 +71,10 @@ def test_a_frontier_is_a_target_until_it_is_known() -> None:
     target = entry.value
     assert (entry.id, target.reason) == ("frontier-1", "frontier")
     assert (target.place.x_m, target.place.y_m) == pytest.approx((2.975, 1.5), abs=0.03)
-    assert target.size_m == pytest.approx(1.0)
-    assert target.stand.x_m < 2.75
+    assert target.size_m == pytest.approx(
+        0.7, abs=0.06
+    )  # of 1 m, where the robot's centre could pass, and 0.1 m beside
+    assert target.stand.x_m < 2.8  # where no unknown cell lies within 0.21 m
     assert world.grid.values_at(np.array([[target.stand.x_m, target.stand.y_m]]))[0] == 0
     assert {s.key.split("/")[-2] for s in entry.supports} == {"grid"}
     look(world, source)
@@ -82,6 +84,20 @@ def test_a_frontier_is_a_target_until_it_is_known() -> None:
     assert world.board.entries(TARGET) == []
     last = world.board.history.revisions(Support(entry.key, 1, 9))[-1]
     assert (last.event, last.endorsements[-1].verdict) == ("retracted", "against")
+
+
+def test_the_robot_is_no_frontier_to_itself() -> None:
+    """Around a robot that has just been switched on there are cells that no cone has swept yet."""
+    world = World()
+    world.close()
+    world._fill(1.2, 1.2, 1.8, 1.8, 128)
+    world.post()
+    source = FrontierTargets(FrontierTargetsParams(), name="frontiers")
+    look(world, source)
+    assert world.board.entries(TARGET) != []
+    world.board.post(ODOM_FROM_ROBOT, Pose(x_m=1.5, y_m=1.5, heading_rad=0.0), source="odometry")
+    look(world, source)
+    assert world.board.entries(TARGET) == []
 
 
 def test_a_robot_too_wide_has_no_target_there() -> None:
