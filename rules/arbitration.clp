@@ -2,6 +2,21 @@
 ; Reads  mode, uses, goal, behaviour, motivation     Sets  the selection of every behaviour named in a `uses` fact
 ; (Bou-Ghannam 1992, section 4.3: target-nav, boundary-following and random-wander exclude each other.)
 
+; Saliences, by what they are for, the first to fire first
+(defglobal
+  ?*urgent* = 60    ; whatever else goes on
+  ?*at-once* = 50   ; behaviours follow the mode before anything else is decided
+  ?*tidy* = 20      ; what does not hold any more goes before something is decided on it
+  ?*reached* = 15   ; on the way: it is there,
+  ?*gone* = 14      ; or what it goes for is gone,
+  ?*blocked* = 13   ; or it does not get there,
+  ?*late* = 12      ; or has taken too long,
+  ?*trapped* = 11   ; or is in a trap
+  ?*note* = 10      ; what follows from facts, without deciding anything
+  ?*choose* = -10   ; where to go, once all is known
+  ?*wander* = -20   ; nowhere to go
+  ?*end* = -30)     ; and nothing else to be done
+
 (deftemplate goal "Where the robot is going, and for which target"
   (slot target) (slot x-m) (slot y-m) (slot length-m) (slot since-s))
 
@@ -14,7 +29,7 @@
   (needs-goal target_nav))
 
 (defrule mode-asks-for-behaviour "Select what the mode uses, once it begins"
-  (declare (salience 50))
+  (declare (salience ?*at-once*))
   (mode ?mode)
   (uses ?mode ?behaviour)
   (not (needs-goal ?behaviour))
@@ -22,7 +37,7 @@
   (behaviour-select ?behaviour on))
 
 (defrule goal-asks-for-path "Follow a path to the goal"
-  (declare (salience 50))
+  (declare (salience ?*at-once*))
   (mode ?mode)
   (uses ?mode ?behaviour)
   (needs-goal ?behaviour)

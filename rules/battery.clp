@@ -20,7 +20,7 @@
   (went-home 0))
 
 (defrule battery-low-go-home "Whatever it is doing, there is enough left for the way home"
-  (declare (salience 60))
+  (declare (salience ?*urgent*))
   (battery (charge-fraction ?charge&:(< ?charge ?*charge-low*)))
   (station)
   ?mode <- (mode ~home&~charge&~dock&~done)
@@ -29,14 +29,14 @@
   (assert (mode home)))
 
 (defrule home-forget-goal "Where it was going does not count on the way home"
-  (declare (salience 60))
+  (declare (salience ?*urgent*))
   (mode home)
   ?goal <- (goal (target ~station))
   =>
   (retract ?goal))
 
 (defrule home-find-way "Follow a path to before the station"
-  (declare (salience 55))
+  (declare (salience ?*at-once*))
   (mode home)
   (not (goal))
   (station (x-m ?x) (y-m ?y) (heading-rad ?heading))
@@ -54,13 +54,14 @@
   (assert (mode charge)))
 
 (defrule charge-approach "Go before the station and face it"
-  (declare (salience 50))
+  (declare (salience ?*at-once*))
   (mode charge)
   (station (x-m ?x) (y-m ?y) (heading-rad ?heading))
   =>
   (behaviour-select charge_battery on ?x ?y ?heading))
 
 (defrule before-station-dock "The last piece"
+  (declare (salience ?*reached*))
   ?mode <- (mode charge)
   (motivation (id charge_battery) (number ?asked))
   (behaviour (id charge_battery) (acknowledged ?asked) (outcome reached))
@@ -69,13 +70,14 @@
   (assert (mode dock)))
 
 (defrule dock-at-station "Dock"
-  (declare (salience 50))
+  (declare (salience ?*at-once*))
   (mode dock)
   (station (x-m ?x) (y-m ?y) (heading-rad ?heading))
   =>
   (behaviour-select docking on ?x ?y ?heading))
 
 (defrule charged-choose "Enough to go on"
+  (declare (salience ?*reached*))
   ?mode <- (mode dock)
   (behaviour (id docking) (outcome reached))
   (battery (charge-fraction ?charge&:(>= ?charge ?*charge-enough*)))
@@ -85,6 +87,7 @@
   (assert (mode choose) (went-home 0)))
 
 (defrule station-blocked-go-home-again "It did not get there, or nothing charged it: once more"
+  (declare (salience ?*blocked*))
   ?mode <- (mode ?which&charge|dock)
   (uses ?which ?behaviour)
   (motivation (id ?behaviour) (number ?asked))
@@ -95,6 +98,7 @@
   (assert (mode home) (went-home (+ ?n 1))))
 
 (defrule station-blocked-give-up "It has been tried often enough"
+  (declare (salience ?*blocked*))
   ?mode <- (mode ?which&charge|dock)
   (uses ?which ?behaviour)
   (motivation (id ?behaviour) (number ?asked))

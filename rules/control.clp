@@ -15,7 +15,8 @@
   (focus frontier_targets 3)
   (focus line_end_targets 3))
 
-(defrule backlog-rest-line-ends "More work waits than a cycle can do: leave out what can wait"
+(defrule backlog-rest-line-ends "More work waits than a cycle can do: until the mode changes, leave out what can wait"
+  (declare (salience ?*choose*))
   (agenda (dropped ?dropped&:(> ?dropped 0)))
   =>
   (focus line_end_targets off))

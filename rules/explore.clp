@@ -2,7 +2,7 @@
 ; done when wandering brings nothing new.
 ; Reads  target, travel, behaviour, clock      Sets  mode, goal, the mission's end
 ; A behaviour's status counts once it acknowledges the newest motivation, by its number.
-; (Bou-Ghannam 1992, sections 4.1 and 6.1; `arbitration.clp` turns modes into behaviours, `traps.clp` and `recovery.clp` help out.)
+; (Bou-Ghannam 1992, sections 4.1 and 6.1; `arbitration.clp` turns modes into behaviours and names the saliences, `traps.clp` and `recovery.clp` help out.)
 
 (defglobal ?*first-wander-s* = 90.0) ; along the boundaries, before it looks for targets: once around a room
 (defglobal ?*wander-s* = 45.0)       ; how long it wanders before it asks again whether something is worth a visit
@@ -28,21 +28,21 @@
   (assert (candidate (target ?target) (length-m ?length) (x-m ?x) (y-m ?y))))
 
 (defrule candidate-is-outdated "What was known of the way has changed, or the target is gone"
-  (declare (salience 20))
+  (declare (salience ?*tidy*))
   ?candidate <- (candidate (target ?target) (length-m ?length) (x-m ?x) (y-m ?y))
   (not (travel (id ?target) (state reachable) (length-m ?length) (stand-x-m ?x) (stand-y-m ?y)))
   =>
   (retract ?candidate))
 
 (defrule candidate-is-given-up "It is not visited any more"
-  (declare (salience 20))
+  (declare (salience ?*tidy*))
   ?candidate <- (candidate (target ?target))
   (or (given-up ?target) (postponed ?target ?))
   =>
   (retract ?candidate))
 
 (defrule place-was-looked-at "From there the robot has looked around already: once more would show nothing new"
-  (declare (salience 10))
+  (declare (salience ?*note*))
   (travel (id ?target) (stand-x-m ?x) (stand-y-m ?y))
   (looked-from ?lx ?ly)
   (test (< (apart-m ?x ?y ?lx ?ly) ?*same-place-m*))
@@ -62,7 +62,7 @@
   (assert (mode choose) (looked-from ?x ?y)))
 
 (defrule first-wander "Before it looks for targets it gets an overall picture"
-  (declare (salience 5))
+  (declare (salience ?*note*))
   ?mode <- (mode choose)
   ?spell <- (wander-for ?s)
   =>
@@ -70,7 +70,7 @@
   (assert (mode wander) (wander-until (+ (now) ?s))))
 
 (defrule nearest-target-go "Go to the nearest candidate"
-  (declare (salience -10))
+  (declare (salience ?*choose*))
   ?mode <- (mode choose)
   (candidate (target ?target) (length-m ?length) (x-m ?x) (y-m ?y))
   (not (candidate (length-m ?other&:(< ?other ?length))))
@@ -80,7 +80,7 @@
   (assert (mode go) (goal (target ?target) (x-m ?x) (y-m ?y) (length-m ?length) (since-s (now))) (quiet-spells 0)))
 
 (defrule nothing-near-wander "No candidate: wander for a while, along the boundaries"
-  (declare (salience -20))
+  (declare (salience ?*wander*))
   ?mode <- (mode choose)
   ?spells <- (quiet-spells ?n&:(< ?n 1))
   =>
@@ -96,14 +96,14 @@
   (assert (mode choose)))
 
 (defrule wander-is-over "Forget when it was to end"
-  (declare (salience 50))
+  (declare (salience ?*at-once*))
   ?until <- (wander-until ?)
   (not (mode wander))
   =>
   (retract ?until))
 
 (defrule nothing-left-done "Wandering brought nothing new, and no target rests: the place is explored"
-  (declare (salience -30))
+  (declare (salience ?*end*))
   ?mode <- (mode choose)
   (quiet-spells ?n&:(>= ?n 1))
   (not (postponed ? ?))
@@ -113,7 +113,7 @@
   (post (mission (state done) (detail "nothing is left that is worth a visit and can be reached"))))
 
 (defrule targets-rest-wander "Only targets that rest are left: wander until they have rested"
-  (declare (salience -30))
+  (declare (salience ?*end*))
   ?mode <- (mode choose)
   (quiet-spells ?n&:(>= ?n 1))
   (exists (postponed ? ?))
@@ -124,6 +124,7 @@
 ; On the way
 
 (defrule goal-reached-look-around "Look around at the target"
+  (declare (salience ?*reached*))
   ?mode <- (mode go)
   ?goal <- (goal (target ?target) (x-m ?x) (y-m ?y))
   (motivation (id path_following) (number ?asked))
@@ -133,6 +134,7 @@
   (assert (mode look-around) (looked-from ?x ?y) (given-up ?target)))
 
 (defrule goal-gone-choose "What was to be seen there has been seen on the way"
+  (declare (salience ?*gone*))
   ?mode <- (mode go)
   ?goal <- (goal (target ?target))
   (not (target (id ?target)))
@@ -141,6 +143,7 @@
   (assert (mode choose)))
 
 (defrule goal-blocked-postpone "The robot does not get there: later, perhaps"
+  (declare (salience ?*blocked*))
   ?mode <- (mode go)
   ?goal <- (goal (target ?target))
   (motivation (id path_following) (number ?asked))
@@ -150,7 +153,7 @@
   (assert (mode choose) (failed ?target (now))))
 
 (defrule failed-often-give-up "It has been tried often enough"
-  (declare (salience 10))
+  (declare (salience ?*note*))
   ?failed <- (failed ?target ?)
   ?tried <- (tried ?target ?n&:(>= ?n (- ?*tries* 1)))
   =>

@@ -41,6 +41,7 @@ from blackboard.messages.control import CommunicationError, Fact, Firing, RuleEr
 from blackboard.messages.motion import BehaviourStatus
 from blackboard.parameters import require
 from rules.board_actions import BoardActions
+from rules.checks.program import refuse_faults
 from rules.engines.engine import Engine
 from rules.engines.engine import Firing as Fired
 from rules.engines.factory import make_engine
@@ -136,7 +137,9 @@ class PlanningModule(Planner[PlanningParams]):
         self._memory.engine.close()
 
     def _program(self, texts: Sequence[RuleFile]) -> Program:
-        return program_of(texts, planning_templates(self._parts.vocabulary))
+        program = program_of(texts, planning_templates(self._parts.vocabulary))
+        refuse_faults(program, self._parts)
+        return program
 
     def _take(self, memory: WorkingMemory) -> None:
         self._memory = memory

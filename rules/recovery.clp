@@ -6,6 +6,7 @@
 (defglobal ?*patience-s* = 60.0)  ; and so much for someone who stands in it, leads nowhere
 
 (defrule goal-takes-too-long "The way to the goal should long be done"
+  (declare (salience ?*late*))
   ?mode <- (mode go)
   ?goal <- (goal (target ?target) (length-m ?length) (since-s ?since))
   (clock (time-s ?now&:(> (- ?now ?since) (+ ?*patience-s* (/ ?length ?*slowest-mps*)))))
@@ -35,7 +36,7 @@
   (assert (uses ?mode target_nav)))
 
 (defrule curiosity-lost-go-on "Without curiosity there is no looking around: choose at once"
-  (declare (salience 5))
+  (declare (salience ?*note*))
   (lost curiosity)
   ?mode <- (mode look-around)
   =>
@@ -43,7 +44,7 @@
   (assert (mode choose)))
 
 (defrule ways-unknown-give-up "Nobody tells how far targets are: nothing can be chosen"
-  (declare (salience 30))
+  (declare (salience ?*tidy*))
   ?mode <- (mode choose)
   (component (id travel) (state failed) (error ?error))
   =>

@@ -10,6 +10,7 @@
   (uses detour path_following))
 
 (defrule trapped-wander-out "No progress on the way to a target: wander out of it"
+  (declare (salience ?*trapped*))
   ?mode <- (mode go)
   (trap (trap no-progress))
   ?goal <- (goal (target ?target))
@@ -27,6 +28,7 @@
   (assert (mode choose)))
 
 (defrule trapped-again-intermediate-target "Trapped on the way to the same target: go back to where it last looked around"
+  (declare (salience ?*trapped*))
   ?mode <- (mode go)
   (trap (trap no-progress))
   ?goal <- (goal (target ?target))

@@ -291,7 +291,7 @@ def test_motivate_prepares_what_select_uses(tmp_path: Path) -> None:
     ("action", "says"),
     [
         ("(behaviour-select ?t on)", "this mission has no behaviour 'frontier-1'"),
-        ("(behaviour-select target-nav on 1)", "behaviour 'target_nav' takes x_m y_m; 1 were given"),
+        ("(bind ?b target-nav) (behaviour-select ?b on 1)", "behaviour 'target_nav' takes x_m y_m; 1 were given"),
         ("(bind ?s perhaps) (behaviour-select target-nav ?s 1 2)", "perhaps must be on or off"),
         ("(bind ?g -1) (set-gain target-nav ?g)", "set-gain target-nav: -1 must be a number in [0, 100]"),
         ("(focus ?t 3)", "this mission has no knowledge source 'frontier-1'"),
