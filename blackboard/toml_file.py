@@ -23,11 +23,12 @@ class Place:
 
     def at(self, key: str | None = None) -> str:
         """Return `file:line: [table]`, as exact as can be found."""
-        line = self._line(key) or self._line(None)
+        line = self.line(key) or self.line(None)
         number = f":{line}" if line else ""
         return f"{self.file}{number}: [{self.table}]" if self.table else f"{self.file}{number}"
 
-    def _line(self, key: str | None) -> int | None:
+    def line(self, key: str | None = None) -> int | None:
+        """Return the line of a key, or of the table itself; None where it cannot be found."""
         inside, seen = self.table == "", -1
         for number, text in enumerate(self.lines, 1):
             header = _HEADER.match(text)

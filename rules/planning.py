@@ -133,6 +133,19 @@ class PlanningModule(Planner[PlanningParams]):
         changed = [self._memory.take(entry) for entry in taken.values()]
         return any(changed)
 
+    @property
+    def memory(self) -> WorkingMemory:
+        """What the rules have before them."""
+        return self._memory
+
+    def put(self, asserted: Sequence[FactValue] = (), retracted: Sequence[int] = ()) -> None:
+        """Change working memory by hand, as stories about rules do."""
+        for index in retracted:
+            self._memory.engine.retract(index)
+        for fact in asserted:
+            self._memory.engine.assert_fact(fact)
+        self._unfinished = True
+
     def close(self) -> None:
         self._memory.engine.close()
 

@@ -7,6 +7,7 @@ SUB_VERBS = {
     "check": "check rule files, or the rules of missions, without running them",
     "cover": "tell which rules fired how often in some runs, and which never",
     "templates": "print the templates that follow from the board's vocabulary",
+    "test": "tell stories about rules to an engine: facts in turn, and what must stand after each step",
     "why-not": "tell which condition kept a rule from firing at some time of a run",
 }
 

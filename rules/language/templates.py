@@ -27,7 +27,7 @@ _UNFIT = re.compile(r"[\s()\"';&|~<$?]+")  # what CLIPS does not take in a symbo
 
 
 @dataclass(frozen=True, slots=True)
-class _Field:
+class SlotField:
     """A slot of a template and where it is found in the value."""
 
     slot: Slot
@@ -42,7 +42,7 @@ class KindTemplate:
 
     kind: Kind[Any]
     template: Template
-    fields: tuple[_Field, ...]
+    fields: tuple[SlotField, ...]
 
     def fact(self, entry: Entry[Any]) -> FactValue:
         """Return an entry as a fact."""
@@ -66,7 +66,7 @@ class KindTemplate:
             place = plain
             for step in field.path[:-1]:
                 place = place.setdefault(step, {})
-            place[field.path[-1]] = _plain(field, given)
+            place[field.path[-1]] = plain_value(field, given)
         try:
             return msgspec.convert(plain, self.kind.type)
         except (msgspec.ValidationError, MessageError) as error:
@@ -109,7 +109,7 @@ def _template(kind: Kind[Any], name: str) -> KindTemplate:
     return KindTemplate(kind, Template(name, slots, f"{kind.path}: {kind.doc}"), fields)
 
 
-def _fields(type_: type[msgspec.Struct], path: tuple[str, ...]) -> Iterable[_Field]:
+def _fields(type_: type[msgspec.Struct], path: tuple[str, ...]) -> Iterable[SlotField]:
     info = msgspec.inspect.type_info(type_)
     if not isinstance(info, msgspec.inspect.StructType):
         return
@@ -126,11 +126,11 @@ def _fields(type_: type[msgspec.Struct], path: tuple[str, ...]) -> Iterable[_Fie
             items = _items(options[0])
             said = _said(items)
             if said is not None:
-                yield _Field(Slot(slot_name, multi=True), here, _row(said))
+                yield SlotField(Slot(slot_name, multi=True), here, _row(said))
             continue
         said = _said(options)
         if said is not None:
-            yield _Field(Slot(slot_name), here, said, _choices(options))
+            yield SlotField(Slot(slot_name), here, said, _choices(options))
 
 
 def _options(type_: msgspec.inspect.Type) -> list[msgspec.inspect.Type]:
@@ -184,13 +184,14 @@ def _choices(options: Iterable[msgspec.inspect.Type]) -> tuple[str, ...]:
     return tuple(str(v) for o in options if isinstance(o, msgspec.inspect.LiteralType) for v in o.values)
 
 
-def _nothing(field: _Field) -> Value:
+def _nothing(field: SlotField) -> Value:
     return () if field.slot.multi else NIL
 
 
-def _plain(field: _Field, value: Value) -> Any:
+def plain_value(field: SlotField, value: Value) -> Any:
+    """Return a slot's value as JSON has it. Raises RuleError for what no entry can hold."""
     if isinstance(value, tuple):
-        return [_plain(field, item) for item in value]
+        return [plain_value(field, item) for item in value]
     if value == NIL:
         return None
     if value in (TRUE, FALSE):
