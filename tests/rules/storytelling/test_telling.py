@@ -8,7 +8,7 @@ from blackboard.command.main import main
 from rules.storytelling.telling import Outcome, tell
 
 RULES = """(deftemplate goal (slot target) (slot x-m))
-(deffacts beginning (mode choose))
+(deffacts beginning (mode choose) (hurries path_following))
 (defrule choose
   ?mode <- (mode choose)
   (travel (id ?t) (state reachable) (length-m ?l))
@@ -27,8 +27,9 @@ RULES = """(deftemplate goal (slot target) (slot x-m))
 (defrule late
   (clock (time-s ?s&:(> ?s 50.0)))
   (goal)
+  (hurries ?behaviour)
   =>
-  (behaviour-select path_following on 1.0))
+  (behaviour-select ?behaviour on 1.0))
 """
 FIRST = """files = "rules.clp"
 
