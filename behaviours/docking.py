@@ -54,7 +54,7 @@ class DockingParams:
     aside_m: float = 0.12  # further from the line it tries again
     askew_rad: float = pi / 9  # turned by more likewise
     over_m: float = 0.15  # its rim goes on so far past the place of the station: the pose is known no better
-    stop_s: float = 2.0  # it goes no further when it gained nothing for so long
+    stop_s: float = 5.0  # it stands when it gained nothing for so long: what safety heard but once is forgotten by then
     wait_s: float = 25.0  # for the charge to rise: two readings of a slow battery
     side_m: float = 0.12  # between one try and the next
 

@@ -89,6 +89,7 @@ BENCHMARKS = (
         "",
         ("corners.py",),
     ),
+    ("Docking", "On wheels that err, with nothing that corrects the pose.", ("docking.py",)),
     ("The main job", "Ten simulated minutes of `wander-lab`, journal written, no pictures.", ("main_job.py",)),
     ("Memory", "Two simulated hours of `wander-lab`.", ("main_job.py", "--memory")),
     ("Recordings", "`ski map` as a process, reading and pictures included.", ("map_recordings.py",)),

@@ -51,18 +51,18 @@ def test_it_lines_up_turns_and_goes_straight_and_slowly() -> None:
 
 def test_where_it_goes_no_further_it_waits_and_then_tries_a_step_to_the_side() -> None:
     attempt = Attempt(phase="approach", furthest_m=0.45)
-    attempt, response = step(attempt, at(1.56), 1.9)
+    attempt, response = step(attempt, at(1.56), 4.9)
     assert (attempt.phase, response != STAND) == ("approach", True)
-    attempt, response = step(attempt, at(1.56), 2.0)
+    attempt, response = step(attempt, at(1.56), 5.0)
     assert (attempt.phase, response) == ("wait", STAND)
-    attempt, _ = step(attempt, at(1.56), 26.9)
+    attempt, _ = step(attempt, at(1.56), 29.9)
     assert attempt.phase == "wait"
-    attempt, _ = step(attempt, at(1.56), 27.0)
+    attempt, _ = step(attempt, at(1.56), 30.0)
     assert (attempt.phase, attempt.number) == ("line up", 1)
-    _, response = step(attempt, at(1.2), 27.1)
+    _, response = step(attempt, at(1.2), 30.1)
     assert response is not None
     assert response.left > 0.0  # one step to the left
-    assert step(attempt, at(1.2, PARAMS.side_m), 27.1)[0].phase == "approach"
+    assert step(attempt, at(1.2, PARAMS.side_m), 30.1)[0].phase == "approach"
 
 
 def test_it_stops_where_the_bumper_touches_and_where_the_station_should_have_been() -> None:
