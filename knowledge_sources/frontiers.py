@@ -92,8 +92,9 @@ def could_be_reached(room: Room, radius_m: float, least_m2: float) -> Mask:
     """
     radius = radius_m / room.cell_m + ROUNDING
     rim = ceil(radius) + 1
-    around = np.pad(room.cells >= OCCUPIED_MIN, rim)
-    labels, count = ndimage.label(squared_distances(around, rim) > radius**2)
+    unhindered = np.pad(room.squares > radius**2, rim, mode="edge")
+    unhindered[[0, -1]] = unhindered[:, [0, -1]] = True
+    labels, count = ndimage.label(unhindered)
     now = np.pad(room.open, rim)
     mine = np.zeros(count + 1, np.bool_)
     mine[labels[now]] = True

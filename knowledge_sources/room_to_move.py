@@ -18,7 +18,8 @@ from knowledge_sources.ways_params import WaysParams
 Mask = npt.NDArray[np.bool_]
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.uint8]
-Squares = npt.NDArray[np.int32]
+Squares = npt.NDArray[np.int16] | npt.NDArray[np.int32]
+LARGEST_SHORT = 32_767
 ROUNDING = 1e-6  # of a cell
 BLUR_M = 0.1  # so wide the rim's surroundings are blurred on the grid
 BLIND_M = 0.25  # and so far from the rim cones are narrower than cells, and leave some of them out
@@ -60,16 +61,18 @@ def squared_distances(things: Mask, reach_cells: int) -> Squares:
     """
     rows, columns = things.shape
     cap = reach_cells + 1
-    place = np.arange(columns, dtype=np.int32)
-    left = np.maximum.accumulate(np.where(things, place, np.int32(-cap)), axis=1)
-    right = np.minimum.accumulate(np.where(things, place, np.int32(columns + cap))[:, ::-1], axis=1)[:, ::-1]
-    along = np.minimum(np.minimum(place - left, right - place), cap).astype(np.int32) ** 2
-    nearest = along.copy()
+    number = np.int16 if max(columns, rows) + 2 * cap < LARGEST_SHORT and 2 * cap * cap < LARGEST_SHORT else np.int32
+    place = np.arange(columns, dtype=number)
+    left = np.maximum.accumulate(np.where(things, place, number(-cap)), axis=1)
+    right = np.minimum.accumulate(np.where(things, place, number(columns + cap))[:, ::-1], axis=1)[:, ::-1]
+    along = np.minimum(np.minimum(place - left, right - place), number(cap)) ** 2
+    nearest: Squares = along.copy()
     for step in range(1, min(reach_cells, rows - 1) + 1):
-        other = along + np.int32(step * step)
+        other = along + number(step * step)
         np.minimum(nearest[step:], other[:-step], out=nearest[step:])
         np.minimum(nearest[:-step], other[step:], out=nearest[:-step])
-    return np.minimum(nearest, np.int32(cap * cap))
+    np.minimum(nearest, number(cap * cap), out=nearest)
+    return nearest
 
 
 def room_to_move(known: KnownPart, radius_m: float, place: tuple[float, float] | None, params: WaysParams) -> Room:

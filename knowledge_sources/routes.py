@@ -80,7 +80,7 @@ class Routes(KnowledgeSource[RoutesParams]):
         super().__init__(params, name=name, seed=seed)
         self.triggers = (
             Trigger(kind=MOTIVATION, when=lambda entry: entry.id == params.behaviour),
-            Trigger(kind=GRID, min_interval_s=params.interval_s),
+            Trigger(kind=GRID, min_interval_s=params.interval_s, when=lambda _: self._asked is not None),
         )
         self._grid = GridMirror()
         self._asked: int | None = None  # the number of the motivation that is answered

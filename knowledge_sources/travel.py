@@ -45,7 +45,7 @@ class TravelParams(WaysParams):
     map_s: float = 10.0  # and that so often
     look_radii: float = 3.0  # beyond the rim: from so far off a frontier is well within a sonar's range
     change_m: float = 0.5  # a length that changes by less is no news
-    change_fraction: float = 0.1  # nor one that changes by less than so much of it
+    change_fraction: float = 0.2  # nor one that changes by less than so much of it
 
     def __post_init__(self) -> None:
         WaysParams.__post_init__(self)
@@ -133,9 +133,11 @@ class TravelToTargets(KnowledgeSource[TravelParams]):
                 board.post(TRAVEL, travel, id=name, supports=[entry, robot, *found[1]])
 
     def _is_due(self, now_s: float, here: Place, targets: dict[str, Entry[Target]]) -> bool:
-        """Say whether a target is new or has moved, or the robot has gone on, or the map may have changed."""
-        if any(entry.value != self._measured.get(name) for name, entry in targets.items()):
+        """Say whether a target is new, or, after a while, one has changed, the robot has gone on or the map may have changed."""
+        if not targets.keys() <= self._measured.keys():
             return True
         since_s = now_s - self._measured_s
+        if since_s >= self.params.interval_s and any(e.value != self._measured[name] for name, e in targets.items()):
+            return True
         moved_m = hypot(here[0] - self._measured_at[0], here[1] - self._measured_at[1])
         return since_s >= self.params.map_s or (since_s >= self.params.interval_s and moved_m >= self.params.moved_m)

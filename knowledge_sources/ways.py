@@ -15,12 +15,12 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from blackboard.grid import KnownPart
-from knowledge_sources.room_to_move import Floats, Room, room_to_move, squared_distances
+from knowledge_sources.room_to_move import Floats, Room, room_to_move
 from knowledge_sources.ways_params import WaysParams
 
 Indices = npt.NDArray[np.int64]
 Place = tuple[float, float]
-NEIGHBOURS = ((-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1))
+NEIGHBOURS = ((0, 1), (1, -1), (1, 0), (1, 1))  # half of them: each pair once
 NO_NODE = -1
 ROOM_SAMPLES = 5  # along a step of a way: as near to each other as cells
 CLIPPED = 10.0  # more for each metre of a step between two blocks that grazes the corner of a closed cell
@@ -60,13 +60,14 @@ class Way:
 def wavefront(known: KnownPart, radius_m: float, start: Place, params: WaysParams) -> Wavefront:
     """Return how far it is from `start` to everywhere, for a robot of this radius that stands there."""
     room = room_to_move(known, radius_m, start, params)
-    rows, columns, number = _nodes(room, max(1, round(params.block_m / room.cell_m)))
+    blocks = _blocks(room, max(1, round(params.block_m / room.cell_m)))
+    rows, columns = blocks.rows, blocks.columns
     first = _start_node(room, rows, columns, start)
     if first is None:
         nowhere = np.full(len(rows), np.inf)
         return Wavefront(room, start, rows, columns, nowhere, nowhere, np.full(len(rows), NO_NODE, np.int32))
-    graph = _graph(room, rows, columns, number)
-    cost, before = dijkstra(graph, indices=first, return_predecessors=True)
+    graph = _graph(room, blocks)
+    cost, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
     x_m, y_m = room.centre(int(rows[first]), int(columns[first]))
     length_m = hypot(x_m - start[0], y_m - start[1]) + _lengths(room, rows, columns, before)
     length_m[~np.isfinite(cost)] = np.inf
@@ -184,31 +185,52 @@ def _no_dearer(room: Room, corners: Floats, until: Floats, a: int, b: int) -> bo
     return straight_cost(room, corners[a], corners[b]) <= LITTLE * float(until[b] - until[a])
 
 
-def _nodes(room: Room, side: int) -> tuple[Indices, Indices, Indices]:
-    """Return the cells that stand for the blocks with an open cell, and the numbers of all blocks, with a rim of none."""
+@dataclass(frozen=True, eq=False)
+class _Blocks:
+    """The blocks with an open cell: the cells that stand for them, and by row and column of blocks, with a rim of none, their
+    numbers. In the midst of a `deep` one's neighbours all is open.
+    """
+
+    rows: Indices
+    columns: Indices
+    number: Indices
+    deep: npt.NDArray[np.bool_]
+
+
+def _blocks(room: Room, side: int) -> _Blocks:
     height, width = (ceil(n / side) for n in room.open.shape)
-    value = np.zeros((height * side, width * side), np.int32)
-    value[: room.open.shape[0], : room.open.shape[1]] = np.where(room.open, room.squares + 1, 0)
-    blocks = value.reshape(height, side, width, side).transpose(0, 2, 1, 3).reshape(height, width, side * side)
-    best = blocks.argmax(axis=2)
-    has = blocks.max(axis=2) > 0
-    block_rows, block_columns = np.nonzero(has)
-    inner = best[block_rows, block_columns]
+    value = np.zeros((height * side, width * side), room.squares.dtype)
+    np.multiply(room.squares + 1, room.open, out=value[: room.open.shape[0], : room.open.shape[1]])
+    best = value[::side, ::side].copy()  # the cell with the most room, the first of equals
+    inner = np.zeros(best.shape, np.int64)
+    full = best > 0
+    for cell in range(1, side * side):
+        other = value[cell // side :: side, cell % side :: side]
+        inner[other > best] = cell
+        np.maximum(best, other, out=best)
+        full &= other > 0
+    row, column = np.nonzero(best)
+    inner = inner[row, column]
     number = np.full((height + 2, width + 2), NO_NODE, np.int64)
-    number[1:-1, 1:-1][has] = np.arange(len(block_rows))
-    return block_rows * side + inner // side, block_columns * side + inner % side, number
+    number[row + 1, column + 1] = np.arange(len(row))
+    around = np.pad(full, 1)
+    across = around[:, :-2] & around[:, 1:-1] & around[:, 2:]
+    deep = across[:-2] & across[1:-1] & across[2:]
+    return _Blocks(row * side + inner // side, column * side + inner % side, number, deep[row, column])
 
 
-def _graph(room: Room, rows: Indices, columns: Indices, number: Indices) -> csr_matrix:
-    """Return the costs of the ways between neighbouring blocks."""
-    flat = np.flatnonzero(number.ravel() != NO_NODE)
-    width = number.shape[1]
-    offsets = np.array([dr * width + dc for dr, dc in NEIGHBOURS])
-    other = number.ravel()[flat[:, None] + offsets]  # (n, 8)
+def _graph(room: Room, blocks: _Blocks) -> csr_matrix:
+    """Return the costs of the ways between neighbouring blocks, each pair once."""
+    rows, columns, number = blocks.rows, blocks.columns, blocks.number.ravel()
+    flat = np.flatnonzero(number != NO_NODE)
+    width = blocks.number.shape[1]
+    other = number[flat[:, None] + np.array([dr * width + dc for dr, dc in NEIGHBOURS])]  # (n, 4)
     a, k = np.nonzero(other != NO_NODE)
     b = other[a, k]
-    passable = _joined(room, rows, columns, a, b)
-    a, b = a[passable], b[passable]
+    joined = blocks.deep[a]
+    narrow = np.flatnonzero(~joined)  # these cell by cell
+    joined[narrow] = _joined(room, rows, columns, a[narrow], b[narrow])
+    a, b = a[joined], b[joined]
     cost = room.cost[rows, columns]
     costs = np.hypot(rows[a] - rows[b], columns[a] - columns[b]) * (0.5 * room.cell_m) * (cost[a] + cost[b])
     until = np.zeros(len(rows) + 1, np.int32)
@@ -218,19 +240,15 @@ def _graph(room: Room, rows: Indices, columns: Indices, number: Indices) -> csr_
 
 def _joined(room: Room, rows: Indices, columns: Indices, a: Indices, b: Indices) -> npt.NDArray[np.bool_]:
     """Say for each pair of blocks whether the straight way between their cells is open."""
-    reach = ceil(hypot(*np.abs([rows[a] - rows[b], columns[a] - columns[b]]).max(axis=1, initial=0)))
-    deep = squared_distances(~room.open, reach)[rows, columns] > reach * reach
-    joined: npt.NDArray[np.bool_] = deep[a]
-    narrow = np.flatnonzero(~joined)  # the rest: cell by cell
-    a, b = a[narrow], b[narrow]
-    steps = 2 * reach
-    clear = np.ones(len(narrow), np.bool_)
+    row_a, column_a = rows[a], columns[a]
+    by_rows, by_columns = rows[b] - row_a, columns[b] - column_a
+    steps = 2 * int(max(np.abs(by_rows).max(initial=0), np.abs(by_columns).max(initial=0)))
+    clear = np.ones(len(a), np.bool_)
     for step in range(1, steps):
-        row = (2 * (rows[a] * (steps - step) + rows[b] * step) + steps) // (2 * steps)
-        column = (2 * (columns[a] * (steps - step) + columns[b] * step) + steps) // (2 * steps)
+        row = row_a + (2 * by_rows * step + steps) // (2 * steps)
+        column = column_a + (2 * by_columns * step + steps) // (2 * steps)
         clear &= room.open[row, column]
-    joined[narrow] = clear
-    return joined
+    return clear
 
 
 def _start_node(room: Room, rows: Indices, columns: Indices, start: Place) -> int | None:
