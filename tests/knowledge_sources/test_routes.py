@@ -226,7 +226,7 @@ def test_what_is_news_of_a_travel() -> None:
     params, here = TravelParams(), Point(x_m=0.0, y_m=0.0)
     told = Travel(state="reachable", stand=here, length_m=4.0)
     assert not is_news(told, Travel(state="reachable", stand=here, length_m=4.4), params)
-    assert is_news(told, Travel(state="reachable", stand=here, length_m=3.4), params)
+    assert is_news(told, Travel(state="reachable", stand=here, length_m=3.1), params)
     assert is_news(told, Travel(state="unreachable", stand=here, length_m=4.0), params)
     assert is_news(told, Travel(state="reachable", stand=Point(x_m=0.3, y_m=0.0), length_m=4.0), params)
     assert not is_news(
