@@ -79,7 +79,7 @@ class Attempt:
     phase: Phase = "line up"
     number: int = 0
     since_s: float = 0.0
-    furthest_m: float = 0.0  # how near to the station the last piece has come, centre to pad
+    nearest_m: float = 0.0  # how near to the pad its rim has come on the last piece
     charge: float | None = None  # at the last look
     best: float = 0.0  # while it charges
 
@@ -125,19 +125,9 @@ def docking_response(
         if abs(turned_rad) > params.facing_rad:
             rate_radps = max(-params.turn_radps, min(params.turn_radps, -TURN_GAIN_PER_S * turned_rad))
             return attempt, Response(turn_radps=rate_radps)
-        attempt = replace(attempt, phase="approach", since_s=now_s, furthest_m=before_m)
+        attempt = replace(attempt, phase="approach", since_s=now_s, nearest_m=before_m - radius_m)
     if attempt.phase == "approach":
-        if abs(aside_m) > params.aside_m or abs(turned_rad) > params.askew_rad:
-            return again(attempt, now_s), STAND
-        if before_m <= attempt.furthest_m - GOT_ON_M:
-            attempt = replace(attempt, since_s=now_s, furthest_m=before_m)
-        stopped = touched or now_s - attempt.since_s >= params.stop_s
-        if not stopped and before_m - radius_m > -params.over_m:
-            bearing_rad = atan2(-aside_m, params.look_m) - turned_rad
-            return attempt, Response(
-                forward=params.strength * cos(bearing_rad), left=params.strength * sin(bearing_rad)
-            )
-        return replace(attempt, phase="wait", since_s=now_s), STAND
+        return _last_piece(attempt, before_m - radius_m, aside_m, turned_rad, touched, now_s, params)
     if attempt.phase == "wait":
         return (again(attempt, now_s) if now_s - attempt.since_s >= params.wait_s else attempt), STAND
     if attempt.phase == "charge" and charge is not None:
@@ -145,6 +135,26 @@ def docking_response(
             return Attempt(since_s=now_s, charge=charge), STAND
         return replace(attempt, best=max(attempt.best, charge)), STAND
     return attempt, None
+
+
+def _last_piece(
+    attempt: Attempt,
+    rim_before_m: float,
+    aside_m: float,
+    turned_rad: float,
+    touched: bool,
+    now_s: float,
+    params: DockingParams,
+) -> tuple[Attempt, Response]:
+    """Go on along the line; wait where it goes no further, try again where it is off the line."""
+    if abs(aside_m) > params.aside_m or abs(turned_rad) > params.askew_rad:
+        return again(attempt, now_s), STAND
+    if rim_before_m <= attempt.nearest_m - GOT_ON_M:
+        attempt = replace(attempt, since_s=now_s, nearest_m=rim_before_m)
+    if touched or now_s - attempt.since_s >= params.stop_s or rim_before_m <= -params.over_m:
+        return replace(attempt, phase="wait", since_s=now_s), STAND
+    bearing_rad = atan2(-aside_m, params.look_m) - turned_rad
+    return attempt, Response(forward=params.strength * cos(bearing_rad), left=params.strength * sin(bearing_rad))
 
 
 def _towards(ahead_m: float, aside_m: float, turned_rad: float) -> Response:

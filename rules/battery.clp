@@ -3,10 +3,10 @@
 ; Where the station is, is known beforehand: a fact in a file of its own for each place (as `lab-station.clp`).
 ; (Bou-Ghannam 1992, section 4.2.1: charge-battery tunes avoid-obstacles down as it comes near; docking does the last piece.)
 
-(defglobal ?*charge-low* = 0.2)        ; of a full battery: enough for the way home from anywhere
-(defglobal ?*charge-enough* = 0.8)     ; so far it charges
-(defglobal ?*way-ends-m* = 1.2) ; before the station, where following a path ends and charge-battery goes on
-(defglobal ?*trips-home* = 3)        ; so often it goes home before it gives up
+(defglobal ?*charge-low* = 0.2)    ; of a full battery: enough for the way home from anywhere
+(defglobal ?*charge-enough* = 0.8) ; so far it charges
+(defglobal ?*way-ends-m* = 1.2)    ; before the station, where following a path ends and charge-battery goes on
+(defglobal ?*trips-home* = 3)      ; so often it goes home before it gives up
 
 (deftemplate station "A charging station, and the heading of a robot that charges there"
   (slot x-m) (slot y-m) (slot heading-rad))

@@ -50,7 +50,7 @@ def test_it_lines_up_turns_and_goes_straight_and_slowly() -> None:
 
 
 def test_where_it_goes_no_further_it_waits_and_then_tries_a_step_to_the_side() -> None:
-    attempt = Attempt(phase="approach", furthest_m=0.45)
+    attempt = Attempt(phase="approach", nearest_m=0.15)
     attempt, response = step(attempt, at(1.56), 4.9)
     assert (attempt.phase, response != STAND) == ("approach", True)
     attempt, response = step(attempt, at(1.56), 5.0)
@@ -66,19 +66,19 @@ def test_where_it_goes_no_further_it_waits_and_then_tries_a_step_to_the_side() -
 
 
 def test_it_stops_where_the_bumper_touches_and_where_the_station_should_have_been() -> None:
-    attempt = Attempt(phase="approach", furthest_m=0.6)
+    attempt = Attempt(phase="approach", nearest_m=0.30)
     assert step(attempt, at(1.5), touched=True)[0].phase == "wait"
     assert step(attempt, at(1.86))[0].phase == "wait"  # 0.16 m too far
 
 
 @pytest.mark.parametrize("pose", [at(1.6, 0.13), at(1.6, -0.13), at(1.6, 0.0, 0.4)])
 def test_misaligned_it_tries_again(pose: Pose) -> None:
-    attempt, response = step(Attempt(phase="approach", furthest_m=0.6), pose)
+    attempt, response = step(Attempt(phase="approach", nearest_m=0.30), pose)
     assert (attempt.phase, attempt.number, response) == ("line up", 1, STAND)
 
 
 def test_it_stands_while_the_charge_rises_and_comes_back_when_it_is_lost() -> None:
-    attempt = Attempt(phase="approach", furthest_m=0.6, charge=0.5)
+    attempt = Attempt(phase="approach", nearest_m=0.30, charge=0.5)
     attempt, response = step(attempt, at(1.5), 3.0, 0.501)
     assert (attempt.phase, response) == ("charge", STAND)
     for now_s, charge in ((10.0, 0.6), (20.0, 0.7), (30.0, 0.699), (500.0, 1.0), (600.0, 1.0)):
@@ -91,7 +91,7 @@ def test_it_stands_while_the_charge_rises_and_comes_back_when_it_is_lost() -> No
 def test_a_full_battery_does_not_rise_and_a_falling_one_is_not_charged() -> None:
     waiting = Attempt(phase="wait", charge=1.0)
     assert step(waiting, at(1.56), 1.0, 1.0)[0].phase == "charge"
-    assert step(Attempt(phase="approach", furthest_m=0.6, charge=1.0), at(1.5), 1.0, 1.0)[0].phase == "approach"
+    assert step(Attempt(phase="approach", nearest_m=0.30, charge=1.0), at(1.5), 1.0, 1.0)[0].phase == "approach"
     assert step(Attempt(phase="wait", charge=0.5), at(1.56), 1.0, 0.49)[0].phase == "wait"
     assert step(waiting, at(1.56), 1.0, None)[0].phase == "wait"
 
@@ -111,8 +111,8 @@ def test_after_the_last_try_it_gives_up() -> None:
 @given(phases, st.integers(0, 2), st.floats(0.0, 3.0), st.floats(-2.0, 2.0), st.floats(-3.0, 3.0))
 def test_its_vector_is_short_and_mirrors(phase: str, number: int, x: float, y: float, heading: float) -> None:
     other = SIDES.index(-SIDES[number])
-    one = step(Attempt(phase=phase, number=number, furthest_m=1.0), at(x, y, heading))  # type: ignore[arg-type]
-    two = step(Attempt(phase=phase, number=other, furthest_m=1.0), at(x, -y, -heading))  # type: ignore[arg-type]
+    one = step(Attempt(phase=phase, number=number, nearest_m=0.70), at(x, y, heading))  # type: ignore[arg-type]
+    two = step(Attempt(phase=phase, number=other, nearest_m=0.70), at(x, -y, -heading))  # type: ignore[arg-type]
     assert one[0].phase == two[0].phase
     if one[1] is not None and two[1] is not None:
         assert hypot(one[1].forward, one[1].left) <= 0.6 + 1e-9
