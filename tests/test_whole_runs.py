@@ -33,7 +33,7 @@ def test_same_seed_same_bytes_whatever_the_hash_seed(tmp_path: Path) -> None:
     assert len(a) > 100_000
     assert a == b
     assert a != c
-    for file in ("grid.png", "map.pgm", "lines.geojson", "trajectory.tum", "overview.png"):
+    for file in ("grid.png", "map.pgm", "lines.geojson", "trajectory.tum", "overview.png", "figures.png"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
 
 

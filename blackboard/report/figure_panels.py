@@ -57,7 +57,7 @@ def panels_of(result: RunResult, milestones: Milestones) -> list[Panel]:
         _points_panel("Raw points", "6.5", milestones.raw, "echoes, on the axes of their cones"),
         _points_panel("Filtered points", "6.6", milestones.filtered, "of them that the grid bears out"),
         _lines_panel(result, "Second 2-D lines", "6.7", milestones.second, palette.SECOND_LINE_COLOUR),
-        *_both_panels(milestones),
+        *_both_panels(result, milestones),
         _targets_panel(result, milestones),
         _end_panel(result),
     ]
@@ -110,7 +110,7 @@ def _grid_panel(result: RunResult, stage: GridStage, thesis: str) -> Panel:
     return Panel(
         title=f"Grid after {scans}",
         thesis=thesis,
-        caption=f"at {_seconds(stage.stamp_s)}, {known_m2:.1f} m²"
+        caption=f"at {_seconds(stage.stamp_s - _start_s(result))}, {known_m2:.1f} m²"
         + (f", contrast {contrast:.0f} times" if contrast > 1.5 else ""),
         draw=draw,
         early=True,
@@ -123,6 +123,7 @@ def _lines_panel(
     if stage is None:
         return None
     stamps = result.trajectory[:, 0]
+    from_s, until_s = (stamp_s - _start_s(result) for stamp_s in (stage.from_s, stage.stamp_s))
     way = result.trajectory[(stamps >= stage.from_s) & (stamps <= stage.stamp_s)]
 
     def draw(axes: "Axes", view: View, px_per_m: float) -> None:
@@ -133,7 +134,7 @@ def _lines_panel(
     return Panel(
         title=title,
         thesis=thesis,
-        caption=f"{_lines_told(stage)}, {stage.points:,} points, {stage.from_s:.0f} to {stage.stamp_s:.0f} s",
+        caption=f"{_lines_told(stage)}, {stage.points:,} points, {from_s:.0f} to {until_s:.0f} s",
         draw=draw,
         early=True,
     )
@@ -151,7 +152,7 @@ def _points_panel(title: str, thesis: str, points: Points | None, told: str) -> 
     )
 
 
-def _both_panels(milestones: Milestones) -> list[Panel]:
+def _both_panels(result: RunResult, milestones: Milestones) -> list[Panel]:
     first, second, merged = milestones.first, milestones.second, milestones.merged
     if first is None or second is None:
         return []
@@ -181,7 +182,7 @@ def _both_panels(milestones: Milestones) -> list[Panel]:
             Panel(
                 title="Merged lines over both",
                 thesis="6.9",
-                caption=f"{_lines_told(merged)} at {merged.stamp_s:.0f} s",
+                caption=f"{_lines_told(merged)} at {merged.stamp_s - _start_s(result):.0f} s",
                 draw=all_three,
                 samples=[(palette.INK, "merged"), *samples],
                 early=True,
@@ -257,6 +258,11 @@ def segments_of(result: RunResult) -> Ends:
 def _lines_told(stage: LineStage) -> str:
     length_m = float(np.hypot(stage.ends[:, 2] - stage.ends[:, 0], stage.ends[:, 3] - stage.ends[:, 1]).sum())
     return f"{len(stage.ends)} line{'' if len(stage.ends) == 1 else 's'}, {length_m:.1f} m"
+
+
+def _start_s(result: RunResult) -> float:
+    """Return the stamp of the first pose: a recording's clock begins anywhere."""
+    return float(result.trajectory[0, 0]) if len(result.trajectory) else 0.0
 
 
 def _seconds(stamp_s: float) -> str:

@@ -38,6 +38,18 @@ def test_the_panels_and_their_words(result, milestones):
     assert [label for _, label in panels[0].samples] == ["curiosity 12 s", "random wander 18 s"]
 
 
+def test_times_count_from_the_start(result, milestones):
+    late = result.trajectory + np.array([1000.0, 0.0, 0.0, 0.0])
+    moved = replace(
+        milestones,
+        scans=[replace(stage, stamp_s=stage.stamp_s + 1000.0) for stage in milestones.scans],
+        second=replace(milestones.second, from_s=1010.0, stamp_s=1020.0),
+    )
+    captions = {p.thesis: p.caption for p in panels_of(replace(result, trajectory=late), moved)}
+    assert captions["6.3"] == "at 10 s, 12.2 m²"
+    assert captions["6.7"] == "1 line, 4.0 m, 512 points, 10 to 20 s"
+
+
 def test_what_a_mission_does_not_have_is_left_out(result, milestones, tmp_path):
     assert [p.title for p in panels_of(result, Milestones())] == ["Way", "The map at the end"]
     assert not write_figures(result, Milestones(), tmp_path / "figures.png")
