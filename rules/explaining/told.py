@@ -32,13 +32,14 @@ def told(verdict: Verdict, then: Situation) -> Iterator[str]:
 def _could_fire(verdict: Verdict, then: Situation) -> Iterator[str]:
     many = len(verdict.ways)
     yield f"  At {then.stamp_s:g} s it could fire: all its conditions hold{f', in {many} ways' if many > 1 else ''}."
-    fired = {firing.value.facts for firing in then.firings if firing.value.rule == verdict.rule.name}
     for way in verdict.ways[:WAYS_SHOWN]:
         yield f"    {_facts(way, then.facts)}"
     if many > WAYS_SHOWN:
         yield f"    and {many - WAYS_SHOWN} more"
-    if any(_texts(way, then.facts) in fired for way in verdict.ways):
-        yield "  It has fired for facts like these before: a rule fires once for the same facts, until one of them changes."
+    if any(firing.value.rule == verdict.rule.name for firing in then.firings):
+        yield "  A rule fires once for the same facts: it waits until one of them changes."
+    else:
+        yield "  It waits for its turn: the facts are newer than the last firing, or a rule said halt."
 
 
 def _blocked(obstacle: Obstacle, then: Situation) -> Iterator[str]:
@@ -100,10 +101,6 @@ def _history(rule: Rule, then: Situation) -> str:
         return "It had never fired until then."
     times = "once" if len(stamps) == 1 else f"{len(stamps)} times"
     return f"It had fired {times} until then, the last time at {stamps[-1]:.2f} s."
-
-
-def _texts(way: Way, facts: Mapping[int, FactValue]) -> tuple[str, ...]:
-    return tuple("" if index is None else str(facts[index]) for index in way.facts)
 
 
 def _facts(way: Way, facts: Mapping[int, FactValue]) -> str:

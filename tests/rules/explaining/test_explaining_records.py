@@ -1,5 +1,6 @@
 """Rules and facts as they stood at some time of a run, out of its record; and the words of `ski rules why-not`."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -11,10 +12,15 @@ from blackboard.kinds import FACT, FIRING, RULES, TRAVEL
 from blackboard.messages.control import Fact, Firing, RuleFile, RuleFiles
 from blackboard.messages.geometry import Point
 from blackboard.messages.routes import Travel
+from blackboard.mission import find_mission, load_mission
+from blackboard.runner import Run, RunOptions
 from blackboard.vocabulary import Vocabulary
 from rules.explaining.record import situation
 from rules.explaining.told import as_dict, told
-from rules.explaining.why_not import why_not
+from rules.explaining.why_not import brief, why_not
+from rules.language.values import FactValue
+from rules.planning import PlanningModule
+from rules.working_memory import slots_looked_at
 
 RULES_TEXT = """(deffacts beginning (mode choose))
 (defrule nearest-target-go "Go there"
@@ -99,6 +105,30 @@ def test_a_rule_that_could_fire(folder: Path) -> None:
     lines = words(folder, "nearest-target-go", 2.5)
     assert lines[1] == "  At 2.5 s it could fire: all its conditions hold."
     assert lines[2].startswith("    (mode choose) (clock (time-s 2.5)) (travel (id frontier-1)")
+    assert lines[3] == "  It waits for its turn: the facts are newer than the last firing, or a rule said halt."
+
+
+def test_working_memory_is_that_of_the_planning_module(tmp_path: Path) -> None:
+    run = Run(load_mission(find_mission("explore-lab")), RunOptions(seed=2))
+    with JournalWriter(tmp_path / FILE_NAME) as journal:
+        run.board.journal = journal
+        run.run(30.0)
+    assert run.planning is not None
+    module = run.planning.planner
+    assert isinstance(module, PlanningModule)
+    then = situation(read_journal(tmp_path))
+    looked_at = slots_looked_at(then.program)
+
+    def shown(facts: Iterable[FactValue]) -> list[str]:
+        return sorted(
+            brief(fact, looked_at[fact.relation] - {"stamp-s", "key"}) for fact in facts if fact.relation != "clock"
+        )
+
+    assert len(then.facts) > 20
+    assert shown(then.facts.values()) == shown(module.memory.engine.facts().values())
+    fired = {firing.value.rule for firing in then.firings}
+    for rule in then.program.rules:  # nothing waits at the end of a cycle: what could fire has fired
+        assert rule.name in fired or not why_not(then.program, rule, then.facts).ways, rule.name
 
 
 def test_as_data(folder: Path) -> None:
