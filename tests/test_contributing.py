@@ -45,6 +45,22 @@ def test_add_a_behaviour(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert abs(float(poses[-1][6])) > 0.3  # it has turned
 
 
+def test_add_a_rule(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    rule, story = block("Add a rule", "clips"), block("Add a rule", "story")
+    assert max(len(rule.splitlines()), len(story.splitlines())) < 25
+    monkeypatch.chdir(tmp_path)
+    Path("rest.clp").write_text(rule)
+    Path("rest.toml").write_text(story)
+    assert main(["rules", "check", "rest.clp"]) == 0
+    assert "1 file: no errors, no warnings." in capsys.readouterr().out
+    assert main(["rules", "test", "rest.toml"]) == 0
+    assert "1 of 1 stories are as told" in capsys.readouterr().out
+    files = f'rules.files=["arbitration", "{tmp_path / "rest.clp"}"]'
+    assert main(["run", "explore-lab", "--set", files, "--duration", "2", "--out", "out"]) == 0
+    assert main(["rules", "why-not", "battery-low-stop-wandering", "--in", "out"]) == 0
+    assert "kept it from firing" in capsys.readouterr().out
+
+
 def test_new_knowledge_source(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
