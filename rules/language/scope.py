@@ -8,8 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from blackboard.errors import did_you_mean
 from rules.language.alternatives import MOST_ALTERNATIVES, alternatives, number_of_alternatives
+from rules.language.argument_kinds import ROW, SINGLE, unfit
 from rules.language.errors import RuleError
-from rules.language.reading.slots import check_single, slot_named
+from rules.language.reading.slots import check_one_value, check_single, slot_named
 from rules.language.syntax import (
     Action,
     Assert,
@@ -52,6 +53,7 @@ class _Scope:
         self.templates = templates
         self.bound: dict[str, bool] = {}  # by name: whether it holds a multifield
         self.facts: dict[str, str] = {}  # by name: the relation of the fact
+        self.set: set[str] = set()  # by `bind` or a caller: they may hold anything
         self.nested = False  # within not or exists
         self.faults: list[RuleError] = []
 
@@ -61,7 +63,7 @@ class _Scope:
             text = f"the (or ...)s of this rule write out to {number} rules, more than {MOST_ALTERNATIVES}: split it"
             return [RuleError(text, rule.position)]
         for row in alternatives(rule.conditions):
-            self.bound, self.facts = {}, {}
+            self.bound, self.facts, self.set = {}, {}, set()
             for condition in row:
                 self._condition(condition)
             self._actions(rule.actions)
@@ -71,6 +73,7 @@ class _Scope:
         self.bound = dict.fromkeys(function.parameters, False)
         if function.rest is not None:
             self.bound[function.rest] = True
+        self.set = set(function.parameters)  # whoever calls it may give a multifield
         self._actions(function.body)
         return self.faults
 
@@ -139,8 +142,13 @@ class _Scope:
         if isinstance(expression, VariableUse):
             self._use(expression)
         elif isinstance(expression, Call):
-            for argument in expression.arguments:
+            for index, argument in enumerate(expression.arguments):
                 self._expression(argument)
+                if isinstance(argument, VariableUse) and argument.name in self.bound and argument.name not in self.set:
+                    kinds = ROW if self.bound[argument.name] else SINGLE
+                    wrong = unfit(expression.function, index, argument, kinds)
+                    if wrong is not None:
+                        self._fault(wrong, argument)
 
     def _actions(self, actions: Iterable[Action]) -> None:
         for action in actions:
@@ -167,6 +175,7 @@ class _Scope:
             if not action.is_global:
                 self.facts.pop(action.name, None)
                 self.bound[action.name] = False
+                self.set.add(action.name)
         else:
             for expression in _expressions(action):
                 self._expression(expression)
@@ -185,8 +194,8 @@ class _Scope:
         for slot_name, values in action.slots:
             try:
                 slot = slot_named(slot_name, template, action.position)
-                empty = isinstance(values[0], Call) and values[0].function == "create$" and not values[0].arguments
-                check_single(slot, 0 if empty else len(values), action.position)
+                check_single(slot, len(values), action.position)
+                check_one_value(slot, values)
             except RuleError as fault:
                 self.faults.append(fault)
 

@@ -10,7 +10,18 @@ from rules.language.reading.forms import Form, Node, word
 from rules.language.reading.slots import check_single, slots_of
 from rules.language.reading.surroundings import Place, Surroundings
 from rules.language.reading.tokens import Token, TokenKind
-from rules.language.syntax import All, AnyOf, Condition, Constraint, Exists, Match, Not, Pattern, Template, Test
+from rules.language.syntax import (
+    All,
+    AnyOf,
+    Condition,
+    Constraint,
+    Exists,
+    Match,
+    Not,
+    Pattern,
+    Template,
+    Test,
+)
 
 REFUSED = {
     "forall": "write (not (and (pattern) (not ...)))",

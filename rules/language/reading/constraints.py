@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from rules.language.argument_kinds import ROW, kinds_of
 from rules.language.errors import RuleError
 from rules.language.reading.expressions import read_call
 from rules.language.reading.forms import Form, Node
@@ -119,7 +120,11 @@ def _read_term(node: Node, rest: list[Node], known: Surroundings) -> Term:
                 f"'{node.text}' must be followed by an expression in brackets: {node.text}(...)", node.position
             )
         expression = read_call(rest.pop(0), Place.CONDITION, known)  # type: ignore[arg-type]
-        return Predicate(expression, node.position) if node.text == ":" else Returned(expression, node.position)
+        if node.text == ":":
+            return Predicate(expression, node.position)
+        if kinds_of(expression) == ROW:
+            raise RuleError(f"one field is never what ({expression.function} ...) returns: a multifield", node.position)
+        return Returned(expression, node.position)
     if node.text[0] in ":=" and node.text[1] == "?":
         raise RuleError(f"'{node.text}' would be a symbol: write {node.text[0]}(...)", node.position)
     if node.value is None:

@@ -1,7 +1,7 @@
 """Forms to expressions: constants, variables, globals, and calls of functions that exist with as many arguments as they take."""
 
 from blackboard.errors import did_you_mean
-from rules.language.argument_kinds import unfit
+from rules.language.argument_kinds import kinds_of, unfit
 from rules.language.errors import RuleError
 from rules.language.reading.forms import Form, Node, name_of, word
 from rules.language.reading.surroundings import Place, Surroundings
@@ -62,7 +62,7 @@ def read_call(form: Form, place: Place, known: Surroundings, *, statement: bool 
     arity = known.functions.get(name) or arities()[name]
     check_number(f"({name} ...)", len(values), arity, form.position)
     for index, value in enumerate(values):
-        wrong = unfit(name, index, value.value) if isinstance(value, Constant) else None
+        wrong = unfit(name, index, value, kinds_of(value))
         if wrong is not None:
             raise RuleError(wrong, value.position)
     if name == "printout":

@@ -4,7 +4,7 @@ from blackboard.errors import did_you_mean
 from rules.language.errors import RuleError
 from rules.language.reading.expressions import read_expression
 from rules.language.reading.forms import Form, Node, name_of
-from rules.language.reading.slots import check_single, slots_of
+from rules.language.reading.slots import check_one_value, check_single, slots_of
 from rules.language.reading.surroundings import Place, Surroundings
 from rules.language.reading.vocabulary import CONDITION_WORDS, FACT_ACTIONS, HINTS, arities
 from rules.language.syntax import Call, Expression, FactForm, Position, Template
@@ -54,6 +54,7 @@ def _template_fact(form: Form, template: Template, place: Place, known: Surround
     for slot, item in slots_of(form.items[1:], template, known):
         values = read_slot_values(item, place, known)
         check_single(slot, len(values), item.position)
+        check_one_value(slot, values)
         values = values or (empty(item.position),)
         names += [slot.name] * len(values)
         fields += values

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 
 from blackboard.errors import did_you_mean
+from rules.language.argument_kinds import ROW, kinds_of
 from rules.language.errors import RuleError
 from rules.language.reading.forms import Form, Node, word
 from rules.language.reading.surroundings import Surroundings
-from rules.language.syntax import Position, Slot, Template
+from rules.language.syntax import Expression, Position, Slot, Template, VariableUse
 
 
 def slots_of(items: Sequence[Node], template: Template, known: Surroundings) -> list[tuple[Slot, Form]]:
@@ -35,6 +36,13 @@ def slot_named(name: str, template: Template, position: Position) -> Slot:
             return slot
     near = did_you_mean(name, [slot.name for slot in template.slots])
     raise RuleError(f"the template '{template.name}' has no slot '{name}'{near}", position)
+
+
+def check_one_value(slot: Slot, values: Sequence[Expression]) -> None:
+    """Refuse what surely is a multifield for a slot that holds one value."""
+    for value in values if not slot.multi else ():
+        if (isinstance(value, VariableUse) and value.multi) or kinds_of(value) == ROW:
+            raise RuleError(f"the slot '{slot.name}' holds one value, not a multifield", value.position)
 
 
 def check_single(slot: Slot, number: int, position: Position) -> None:
