@@ -99,6 +99,13 @@ BENCHMARKS = (
         "odometry but without specular loss and cross-talk. Raw odometry has 7.39 m on Intel's relations.",
         ("laser_mapping.py",),
     ),
+    (
+        "The rule engines",
+        "One fact changed and all rules fired, the median; experta is our engine on it, clipspy is without ours.",
+        ("rule_engine.py",),
+    ),
+    ("The rule engines' memory", "", ("rule_engine.py", "--memory")),
+    ("The rule engines in lockstep", "Random programs on experta and on CLIPS.", ("lockstep.py", "--programs", "1000")),
     ("A scan into the grid", "", ("grid_speed.py",)),
     ("A post", "On the local link, validated.", ("board_speed.py",)),
     ("Start", "", ("start_up.py",)),

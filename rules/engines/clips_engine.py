@@ -14,7 +14,7 @@ from rules.engines.clips_calls import COPY_FUNCTION, copying
 from rules.engines.clips_facts import ClipsFacts
 from rules.engines.clips_limits import refuse_crashing
 from rules.engines.clips_values import check_readable, from_clips, to_clips
-from rules.engines.engine import Activation, Engine, External, FactChange, Firing, told
+from rules.engines.engine import Activation, Engine, External, Firing, told
 from rules.language.actions import ActionCompiler
 from rules.language.errors import RuleError
 from rules.language.syntax import Action, Assert, If, Modify, Program, Retract
@@ -53,7 +53,6 @@ class ClipsEngine(Engine):
         refuse_crashing(program)
         self._halted = False
         self._raised: Exception | None = None
-        self._standing: dict[int, FactValue] = {}  # facts by index, as of the last look
         self._output = _Output()
         self._clips: Any = clips.Environment()
         self._clips.add_router(self._output)
@@ -69,7 +68,7 @@ class ClipsEngine(Engine):
                 raise RuleError(f"CLIPS refuses this: {self._fault()}", position) from None
         slots = {template.name: tuple(slot.name for slot in template.slots) for template in program.templates}
         self._facts = ClipsFacts(self._clips, slots)
-        self._changing = {rule.name: _kinds(rule.actions) & {Assert, Retract, Modify} for rule in program.rules}
+        self._changing = {rule.name for rule in program.rules if _kinds(rule.actions) & {Assert, Retract, Modify}}
 
     def _halt(self) -> clips.Symbol:
         self._halted = True
@@ -92,24 +91,20 @@ class ClipsEngine(Engine):
     def reset(self) -> None:
         self._clips.reset()
         self._halted = False
-        self._standing = {index: self._facts.value(fact) for index, fact in self._facts.standing()}
+        self._facts.read_all()
 
     def assert_fact(self, fact: FactValue) -> int | None:
         check_readable(fact)
-        index = self._facts.assert_written(str(fact))
+        index, is_new = self._facts.assert_fact(str(fact))
         if index is None:
             raise RuleError(f"{fact}: CLIPS refuses this fact: {self._fault()}")
-        if index in self._standing:
-            return None
-        self._standing[index] = fact
-        return index
+        return index if is_new else None
 
     def retract(self, index: int) -> None:
-        del self._standing[index]
         self._facts.retract(index)
 
     def facts(self) -> Mapping[int, FactValue]:
-        return dict(self._standing)
+        return dict(self._facts.values)
 
     def agenda(self) -> Sequence[Activation]:
         return [_activation(waiting) for waiting in self._clips.activations()]
@@ -136,6 +131,7 @@ class ClipsEngine(Engine):
             self._clips.reorder()
         self._output.taken("stdout"), self._output.taken("stderr")
         self._raised = None
+        named = self._named(fired) if fired.rule in self._changing else ()
         self._clips.run(1)
         fault = self._output.taken("stderr")
         self._clips.clear_error_state()
@@ -144,33 +140,18 @@ class ClipsEngine(Engine):
             error = told(self._raised)
         elif fault and ("[PRCCODE4]" in fault or not any(code in fault for code in MATCHING_CODES)):
             error = " ".join(fault.partition("[PRCCODE4]")[0].split())
-        changes = self._look(fired) if self._changing[fired.rule] else ()
+        changes = self._facts.look(named) if fired.rule in self._changing else ()
         return Firing(fired, changes, self._output.taken("stdout"), error)
 
     def _wanted(self, activation: Activation | None) -> Any:
         return (one for one in self._clips.activations() if activation is None or _activation(one) == activation)
 
-    def _look(self, fired: Activation) -> tuple[FactChange, ...]:
-        """Return what the firing has changed in working memory."""
-        modified = self._addressed(fired) if Modify in self._changing[fired.rule] else ()
-        before, changes = self._standing, []
-        self._standing = {}
-        for index, fact in self._facts.standing():
-            value = old = before.pop(index, None)
-            if old is None or index in modified:
-                value = self._facts.value(fact)
-                if old is not None and old.key != value.key:
-                    changes.append(FactChange(index, old, False))
-                if old is None or old.key != value.key:
-                    changes.append(FactChange(index, value, True))
-            assert value is not None
-            self._standing[index] = value
-        return (*(FactChange(index, value, False) for index, value in before.items()), *changes)
-
-    def _addressed(self, fired: Activation) -> list[int]:
-        """Return the indices of the facts whose address the actions of a rule can have."""
+    def _named(self, fired: Activation) -> list[int]:
+        """Return the indices of the facts that the actions of a rule can name."""
         matched = [index for index in fired.facts if index is not None]
-        held = [value for index in matched for value in self._standing[index].fields] + list(self.globals().values())
+        held = [value for index in matched for value in self._facts.values[index].fields] + list(
+            self.globals().values()
+        )
         return matched + [value.index for value in held if isinstance(value, FactAddress)]
 
     @property
@@ -189,7 +170,6 @@ class ClipsEngine(Engine):
         self._clips.find_global(name).value = to_clips(value)
 
     def close(self) -> None:
-        self._standing = {}
         self._facts.environment = None
         self._clips = None
 

@@ -12,7 +12,7 @@ from rules.language.syntax import Call, Expression, VariableUse
 from rules.language.values import FALSE, Value
 
 Facts = tuple[WorkingFact, ...]
-Evaluate = Callable[[Facts, WorkingFact | None], Value]
+Evaluate = Callable[[Facts, Any], Value]
 Check = Callable[[Facts, Any], bool]  # of a token's facts and the fact in question, if any
 Scope = Mapping[str, Place | TokenPlace]  # a Place is one in the fact in question
 
@@ -48,11 +48,12 @@ def evaluation(expression: Expression, scope: Scope, compiler: Compiler) -> Eval
         else:
             outer.append((name, where.level, where.place.value()))
 
-    def evaluate(facts: Facts, fact: WorkingFact | None) -> Value:
-        bindings = {name: read(facts[level]) for name, level, read in outer}
-        if fact is not None:
-            for name, read in own:
-                bindings[name] = read(fact)
+    def evaluate(facts: Facts, fact: Any) -> Value:
+        bindings = {}
+        for name, level, read in outer:
+            bindings[name] = read(facts[level])
+        for name, read in own:
+            bindings[name] = read(fact)
         return run(bindings, globals_)
 
     return evaluate
@@ -62,7 +63,8 @@ def truth(evaluate: Evaluate, negated: bool) -> Check:
     """Return what says whether the value is not FALSE, or is where `negated`."""
 
     def check(facts: Facts, fact: Any) -> bool:
-        return (evaluate(facts, fact) != FALSE) is not negated
+        value = evaluate(facts, fact)
+        return (value is not FALSE and value != FALSE) is not negated
 
     return check
 
@@ -86,8 +88,11 @@ def guarded(checks: Sequence[Check], on_error: bool) -> Check | None:
 
     def check(facts: Facts, fact: Any) -> bool:
         try:
-            return all(one(facts, fact) for one in checks)
+            for one in checks:  # not all(...), which takes three times as long
+                if not one(facts, fact):
+                    return False
         except RuleError:
             return on_error
+        return True
 
     return check
