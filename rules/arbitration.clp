@@ -1,5 +1,6 @@
 ; Arbitration: which behaviours the robot's mode asks for. avoid_obstacles is a reflex and always on.
-; Reads  mode, uses, goal, behaviour, motivation     Sets  the selection of every behaviour named in a `uses` fact
+; Reads  mode, uses, goal, behaviour, motivation
+; Sets   the selection of every behaviour named in a `uses` fact, and how much avoid_obstacles counts
 ; (Bou-Ghannam 1992, section 4.3: target-nav, boundary-following and random-wander exclude each other.)
 
 ; Saliences, by what they are for, the first to fire first
@@ -16,6 +17,8 @@
   ?*choose* = -10   ; where to go, once all is known
   ?*wander* = -20   ; nowhere to go
   ?*end* = -30)     ; and nothing else to be done
+
+(defglobal ?*close* = 1.0) ; avoid_obstacles answers with this where one echo lies at its balance distance from the rim
 
 (deftemplate goal "Where the robot is going, and for which target"
   (slot target) (slot x-m) (slot y-m) (slot length-m) (slot since-s))
@@ -44,6 +47,18 @@
   (goal (x-m ?x) (y-m ?y))
   =>
   (behaviour-select ?behaviour on ?x ?y))
+
+(defrule looking-around-avoid-less "On the spot it only has to keep clear of what comes really close: avoiding would turn it back"
+  (declare (salience ?*at-once*))
+  (mode look-around)
+  =>
+  (set-threshold avoid_obstacles ?*close*))
+
+(defrule moving-avoid-again "On the move everything near pushes it away"
+  (declare (salience ?*at-once*))
+  (mode ~look-around)
+  =>
+  (set-threshold avoid_obstacles 0.0))
 
 (defrule mode-has-no-use-for-behaviour "Take back what is selected and belongs to another mode"
   (mode ?mode)

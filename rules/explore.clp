@@ -6,6 +6,7 @@
 
 (defglobal ?*first-wander-s* = 90.0) ; along the boundaries, before it looks for targets: once around a room
 (defglobal ?*wander-s* = 45.0)       ; how long it wanders before it asks again whether something is worth a visit
+(defglobal ?*look-rad* = 3.15)       ; how far it turns at a target: half a turn shows all to a ring, or to a laser that looks ahead
 (defglobal ?*same-place-m* = 0.5)    ; looking again from within this of a place shows nothing new
 (defglobal ?*tries* = 3)             ; a target that the robot could not get to so often is given up
 (defglobal ?*rest-s* = 30.0)         ; how long it leaves a target alone that it could not get to
@@ -60,6 +61,22 @@
   =>
   (retract ?mode)
   (assert (mode choose) (looked-from ?x ?y)))
+
+(defrule seen-enough-choose "What it came for has been seen: no need to turn on"
+  (declare (salience ?*gone*))
+  ?mode <- (mode look-around)
+  (looks-for ?target)
+  (not (target (id ?target)))
+  =>
+  (retract ?mode)
+  (assert (mode choose)))
+
+(defrule look-is-over "Forget what it looked for"
+  (declare (salience ?*at-once*))
+  ?looks <- (looks-for ?)
+  (not (mode look-around))
+  =>
+  (retract ?looks))
 
 (defrule first-wander "Before it looks for targets it gets an overall picture"
   (declare (salience ?*note*))
@@ -131,7 +148,8 @@
   (behaviour (id path_following) (acknowledged ?asked) (outcome reached))
   =>
   (retract ?mode ?goal)
-  (assert (mode look-around) (looked-from ?x ?y) (given-up ?target)))
+  (motivate curiosity ?*look-rad*)
+  (assert (mode look-around) (looks-for ?target) (looked-from ?x ?y) (given-up ?target)))
 
 (defrule goal-gone-choose "What was to be seen there has been seen on the way"
   (declare (salience ?*gone*))

@@ -229,7 +229,9 @@ class PlanningModule(Planner[PlanningParams]):
         self._unfinished = bool(name)
         if name:
             text = f"{self.params.firings_per_cycle} rules fired in one cycle and there was no end; the next is {name}"
-            board.post(RULE_ERROR, RuleError(rule=name, text=text), id=chunk(name))
+            standing = board.newest(RULE_ERROR, chunk(name))
+            if standing is None or standing.value.text != text:  # it goes on: no news
+                board.post(RULE_ERROR, RuleError(rule=name, text=text), id=chunk(name))
 
     def _settle(self, board: Access, fired: Fired, matched: Sequence[FactValue | None]) -> bool:
         """Show a firing and do what it asked for; return whether it said halt."""
