@@ -1,5 +1,5 @@
 ; Arbitration: which behaviours the robot's mode asks for. avoid_obstacles is a reflex and always on.
-; Reads  mode, uses, goal, behaviour, motivation
+; Reads  mode, uses, goal, behaviour, motivation, switch
 ; Sets   the selection of every behaviour named in a `uses` fact, and how much avoid_obstacles counts
 ; (Bou-Ghannam 1992, section 4.3: target-nav, boundary-following and random-wander exclude each other.)
 
@@ -57,6 +57,7 @@
 (defrule moving-avoid-again "On the move everything near pushes it away"
   (declare (salience ?*at-once*))
   (mode ~look-around)
+  (switch (id avoid_obstacles) (threshold ?threshold&:(= ?threshold ?*close*)))
   =>
   (set-threshold avoid_obstacles 0.0))
 

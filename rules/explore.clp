@@ -6,6 +6,7 @@
 
 (defglobal ?*first-wander-s* = 90.0) ; along the boundaries, before it looks for targets: once around a room
 (defglobal ?*wander-s* = 45.0)       ; how long it wanders before it asks again whether something is worth a visit
+(defglobal ?*quiet-spells* = 3)      ; so many spells that bring nothing new, one after the other, and the place is explored
 (defglobal ?*look-rad* = 3.15)       ; how far it turns at a target: half a turn shows all to a ring, or to a laser that looks ahead
 (defglobal ?*same-place-m* = 0.5)    ; looking again from within this of a place shows nothing new
 (defglobal ?*tries* = 3)             ; a target that the robot could not get to so often is given up
@@ -99,7 +100,7 @@
 (defrule nothing-near-wander "No candidate: wander for a while, along the boundaries"
   (declare (salience ?*wander*))
   ?mode <- (mode choose)
-  ?spells <- (quiet-spells ?n&:(< ?n 1))
+  ?spells <- (quiet-spells ?n&:(< ?n ?*quiet-spells*))
   =>
   (retract ?mode ?spells)
   (assert (mode wander) (wander-until (+ (now) ?*wander-s*)) (quiet-spells (+ ?n 1))))
@@ -122,7 +123,7 @@
 (defrule nothing-left-done "Wandering brought nothing new, and no target rests: the place is explored"
   (declare (salience ?*end*))
   ?mode <- (mode choose)
-  (quiet-spells ?n&:(>= ?n 1))
+  (quiet-spells ?n&:(>= ?n ?*quiet-spells*))
   (not (postponed ? ?))
   =>
   (retract ?mode)
@@ -132,7 +133,7 @@
 (defrule targets-rest-wander "Only targets that rest are left: wander until they have rested"
   (declare (salience ?*end*))
   ?mode <- (mode choose)
-  (quiet-spells ?n&:(>= ?n 1))
+  (quiet-spells ?n&:(>= ?n ?*quiet-spells*))
   (exists (postponed ? ?))
   =>
   (retract ?mode)
