@@ -88,9 +88,8 @@ def room_to_move(known: KnownPart, radius_m: float, place: tuple[float, float] |
         row, column = floor((place[1] - known.y_min_m) / cell_m), floor((place[0] - known.x_min_m) / cell_m)
         _clear_body(cells, row, column, radius_m, cell_m)
     occupied = squared_distances(cells >= OCCUPIED_MIN, beyond)
-    closing = max(1, floor(params.unknown_fraction * radius_m / cell_m + ROUNDING))
-    around = np.pad(cells > EMPTY_MAX, closing, constant_values=True)  # nobody knows what lies beyond
-    unknown = squared_distances(around, closing)[closing:-closing, closing:-closing]
+    around = np.pad(cells > EMPTY_MAX, 1, constant_values=True)  # nobody knows what lies beyond
+    unknown = squared_distances(around, beyond)[1:-1, 1:-1]
     radius, unknown_radius = radius_m / cell_m + ROUNDING, params.unknown_fraction * radius_m / cell_m + ROUNDING
     open_: Mask = (occupied > radius**2) & (unknown > unknown_radius**2)
     if place is not None:
@@ -98,7 +97,7 @@ def room_to_move(known: KnownPart, radius_m: float, place: tuple[float, float] |
     distance_m = np.sqrt(np.arange((beyond + 1) ** 2 + 1)) * cell_m
     nearness = (radius_m + params.comfort_m - distance_m) / max(params.comfort_m, cell_m)
     by_squares = (1.0 + params.near_cost * np.maximum(nearness, 0.0)).astype(np.float32)
-    return Room(cells, open_, by_squares[occupied], occupied, known.x_min_m, known.y_min_m, cell_m)
+    return Room(cells, open_, by_squares[unknown], occupied, known.x_min_m, known.y_min_m, cell_m)
 
 
 def _clear_body(cells: Cells, row: int, column: int, radius_m: float, cell_m: float) -> None:
