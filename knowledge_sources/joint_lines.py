@@ -11,7 +11,7 @@ Posts         hypotheses/feature/map_from_odom          Pose
               hypotheses/feature/model_line/<n>         ModelLine
               hypotheses/symbol/new_area_visited/<n>    NewAreaVisited: confirmed, it becomes model line <n>
               hypotheses/symbol/verdict/new_area_visited.*  Verdict
-              hypotheses/symbol/pose_conflict/<n>       PoseConflict: echoes of a scan that do not fit the lines together
+              hypotheses/symbol/pose_conflict/<n>       PoseConflict: echoes of a scan that were refused, and why
 
 Source: Bou-Ghannam 1992, section 5.2.4, with the correlations that its equations leave out (Smith, Self and Cheeseman 1990), and
 with echoes in the place of fitted lines where a line is known (Leonard and Durrant-Whyte 1992). Set `post_map_from_odom = false`
@@ -48,7 +48,8 @@ from blackboard.messages.model import PoseConflict, PoseEstimate, ReReference
 from blackboard.messages.sensing import LaserScan, RobotDescription, SonarScan
 from blackboard.uncertainty.chi_square import chi_square_quantile
 from blackboard.uncertainty.normal_distance import normal_distance
-from knowledge_sources.joint_estimate.association import Paired, associate, consistent
+from knowledge_sources.joint_estimate.association import associate
+from knowledge_sources.joint_estimate.correction import Corrector, Verdict
 from knowledge_sources.joint_estimate.echo_model import Cones
 from knowledge_sources.joint_estimate.line_keeping import LineKeeper
 from knowledge_sources.joint_estimate.params import JointLinesParams
@@ -80,6 +81,7 @@ class JointLines(KnowledgeSource[JointLinesParams]):
         self._counted_at: dict[tuple[str, int], Pose] = {}
         self._window = Window()
         self._keeper = LineKeeper(params, self._window)
+        self._corrector = Corrector(params)
         self._remembered_at: Pose | None = None
         self._refused = 0
         self._stamp_s = -inf  # of the newest correction
@@ -118,6 +120,7 @@ class JointLines(KnowledgeSource[JointLinesParams]):
         state = self._state
         step = self._odometry.inverse() @ odometry if isfinite(self._at_s) else IDENTITY
         state.drive(step)
+        self._corrector.wheels.drive(step)
         self._odometry, self._at_s = odometry, trigger.stamp_s - float(late_s)
         cones, ranges = self._cones(trigger.value, robot.value, odometry)
         motion = self._motion(state, board) if isinstance(trigger.value, SonarScan) else (0.0, 0.0, 0.0)
@@ -126,30 +129,29 @@ class JointLines(KnowledgeSource[JointLinesParams]):
             if state.lines and len(ranges):
                 paired = associate(state, cones, ranges, motion, self.params)
                 unexplained[paired.cone] = False
-                paired, distance, bound = consistent(state, paired, self.params.confidence)
                 if len(paired.cone):
-                    self._correct(state, paired, distance, bound, trigger, supports, board)
+                    before = state.pose
+                    verdict = self._corrector.correct(state, paired)
+                    self._tell(state, before, verdict, trigger, supports, board)
             params = self.params
             if len(ranges) and moved_on(self._remembered_at, odometry, params.remember_m, params.remember_rad):
                 self._remembered_at = odometry
-                self._window.add(state, Look(cones=cones, ranges_m=ranges, motion=motion, open=unexplained))
+                look = Look(cones=cones, ranges_m=ranges, motion=motion, open=unexplained)
+                self._corrector.wheels.begin(state, self._window.add(state, look))
         self._post_estimate(state, trigger, supports, board)
 
-    def _correct(
+    def _tell(
         self,
         state: JointState,
-        paired: Paired,
-        distance: float,
-        bound: float,
+        before: Pose,
+        verdict: Verdict,
         trigger: Entry[Any],
         supports: tuple[Entry[Pose], ...],
         board: Access,
     ) -> None:
-        before, applied = state.pose, distance <= bound
-        if applied:
-            state.update(paired.difference_m, paired.h, np.diag(paired.noise))
+        applied, distance, bound = not verdict.refused, verdict.distance, verdict.bound
         self._stamp_s = max(self._stamp_s, trigger.stamp_s)
-        lines = tuple(state.lines[i].id for i in sorted(set(paired.line.tolist())))
+        lines = tuple(state.lines[i].id for i in sorted(set(verdict.paired.line.tolist())))
         value = _re_reference(trigger.revision, before, state.pose, distance, bound, lines, applied=applied)
         known = [entry for id_ in lines if (entry := board.newest(MODEL_LINE, id_)) is not None]
         board.post(RE_REFERENCE, value, supports=[trigger, *supports, *known], stamp_s=self._stamp_s)
@@ -157,8 +159,7 @@ class JointLines(KnowledgeSource[JointLinesParams]):
             self._move(state, [trigger, *supports, *known], board)
             return
         self._refused += 1
-        why = f"{len(paired.cone)} echoes do not fit the lines together: normal distance {distance:.1f}, bound {bound:.1f}"
-        conflict = PoseConflict(refused=value, why=why)
+        conflict = PoseConflict(refused=value, why=verdict.refused)
         board.post(
             POSE_CONFLICT,
             conflict,

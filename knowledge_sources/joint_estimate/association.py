@@ -25,11 +25,20 @@ class Paired:
     h: Array
     noise: Array
 
+    def only(self, kept: npt.NDArray[np.intp]) -> "Paired":
+        """Return some of the pairs."""
+        return Paired(**{name: getattr(self, name)[kept] for name in self.__dataclass_fields__})
+
+    def spread(self, state: JointState) -> Array:
+        """Return the covariance (k, k) of the differences."""
+        spread: Array = self.h @ state.covariance @ self.h.T + np.diag(self.noise)
+        return spread
+
 
 def associate(
     state: JointState, cones: Cones, ranges_m: Array, motion: tuple[float, float, float], params: JointLinesParams
 ) -> Paired:
-    """Return the echoes that one line explains; `ranges_m` (m,), inf where nothing was heard."""
+    """Return the echoes that one line explains, and a long one; `ranges_m` (m,), inf where nothing was heard."""
     table = LineTable.of(state)
     predicted = predict(state, table, cones, params)
     gaps = ranges_m[:, None] - predicted.ranges_m
@@ -42,6 +51,7 @@ def associate(
     gap = gaps[cone, line]
     distance = gap**2 / (from_state + noise)
     fits = (distance <= params.gate_sigmas**2) & (from_state <= params.unsure_m**2)
+    fits &= table.length_m[line] >= params.least_m  # a short one only speaks against the others
     kept = [i for i in _clear(cone, distance, predicted.ranges_m[cone, line], params) if fits[i]]
     return Paired(cone=cone[kept], line=line[kept], difference_m=gap[kept], h=h[kept], noise=noise[kept])
 
@@ -68,18 +78,11 @@ def consistent(state: JointState, paired: Paired, confidence: float) -> tuple[Pa
         count = len(paired.cone)
         if count == 0:
             return paired, 0.0, 0.0
-        s = paired.h @ state.covariance @ paired.h.T + np.diag(paired.noise)
+        s = paired.spread(state)
         weighted = np.linalg.solve(s, paired.difference_m)
         distance, bound = float(paired.difference_m @ weighted), chi_square_quantile(confidence, count)
         if distance <= bound or count <= least:
             return paired, distance, bound
         # what each would leave of the distance if it were left out
         worst = int(np.argmax(weighted**2 / np.diag(np.linalg.inv(s))))
-        kept = np.delete(np.arange(count), worst)
-        paired = Paired(
-            cone=paired.cone[kept],
-            line=paired.line[kept],
-            difference_m=paired.difference_m[kept],
-            h=paired.h[kept],
-            noise=paired.noise[kept],
-        )
+        paired = paired.only(np.delete(np.arange(count), worst))

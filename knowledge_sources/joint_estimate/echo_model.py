@@ -46,6 +46,10 @@ class LineTable:
             side=columns[4],
         )
 
+    @property
+    def length_m(self) -> Array:
+        return self.to_m - self.from_m
+
     def only(self, number: int) -> "LineTable":
         """Return the table of one line."""
         return LineTable(**{name: getattr(self, name)[number : number + 1] for name in self.__dataclass_fields__})
@@ -94,7 +98,7 @@ def predict(state: JointState, table: LineTable, cones: Cones, params: JointLine
     along = (away_x + reach * np.cos(bearing)) * -ny + (away_y + reach * np.sin(bearing)) * nx
     margin = params.end_margin_m
     on_it = (along >= table.from_m - margin) & (along <= table.to_m + margin)
-    ranges = np.where(on_it & (table.to_m - table.from_m >= params.least_m), ranges, np.inf)
+    ranges = np.where(on_it, ranges, np.inf)
     return Predicted(ranges_m=ranges, edge_rad=edge, turn=turn, distance_m=distance, place_x_m=px, place_y_m=py)
 
 

@@ -34,7 +34,9 @@ class JointLinesParams:
     least_m: float = (
         1.0  # a shorter line may be furniture or a round thing: it moves with the state, and does not move it
     )
-    gate_sigmas: float = 3.0
+    gate_sigmas: float = (
+        2.0  # of a line's own echoes nearly all are within one: what is beyond two is rather of something else
+    )
     unsure_m: float = 0.15  # an echo that the state cannot foretell better than that says too little of whose it is
     step_m: float = (
         0.1  # echoes of one sensor from nearly the same place err alike: the next counts after moving so far
@@ -47,6 +49,10 @@ class JointLinesParams:
     remember_rad: float = 0.4  # as a wall in one cone comes into the next
     beams: int = 12  # of a laser: as many as a ring of sonars has
     confidence: float = 0.999  # what all echoes of a scan say together is refused beyond this bound
+
+    # echoes of a line to one side of it, a scan each: a shift of one sigma is found in some ten scans, chance does it once in 2500
+    drag_slack_sigmas: float = 0.5
+    drag_limit_sigmas: float = 6.0
 
     match_confidence: float = 0.99  # an observed line and a known one within this bound are one
     apart_m: float = 0.25  # nearer to each other than that two walls that face one way are one, badly seen
@@ -97,5 +103,7 @@ class JointLinesParams:
         object.__setattr__(self, "question", QuestionParams.of(self))
         require(0.0 < self.max_range_m <= 1000.0, "max_range_m", self.max_range_m, "(0, 1000] metres")
         require(0.0 <= self.incidence_rad < 1.5, "incidence_rad", self.incidence_rad, "[0, 1.5)")
+        require(0.0 <= self.drag_slack_sigmas <= 10.0, "drag_slack_sigmas", self.drag_slack_sigmas, "[0, 10]")
+        require(0.0 < self.drag_limit_sigmas <= 1000.0, "drag_limit_sigmas", self.drag_limit_sigmas, "(0, 1000]")
         require(0.0 < self.gate_sigmas <= 10.0, "gate_sigmas", self.gate_sigmas, "(0, 10]")
         object.__setattr__(self, "floor", NoiseFloor(theta_rad=self.theta_floor_rad, rho_m=self.rho_floor_m))

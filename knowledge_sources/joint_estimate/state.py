@@ -163,6 +163,16 @@ class JointState:
         self.mean = np.append(self.mean, [theta_rad, 0.0])
         self.lines.append(extent)
 
+    def widen(self, h: Array, difference: float) -> None:
+        """Make the state less sure by the change that most likely explains a `difference`, to which it answers by `h` (n,)."""
+        ph = self.covariance @ h
+        change = ph * (difference / float(h @ ph))
+        self.covariance = self.covariance + np.outer(change, change)
+
+    def widen_pose(self, off: Array) -> None:
+        """Make the pose less sure by as much as it may be off, (3,)."""
+        self.covariance[:DISTANCE_SCALE, :DISTANCE_SCALE] += np.outer(off, off)
+
     def loosen(self, number: int, sigma_rad: float, sigma_m: float) -> None:
         """Make a line less sure by these deviations, as seen from where the robot is: what it shares with the pose stays."""
         at = LINES + 2 * number

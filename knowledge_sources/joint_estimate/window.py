@@ -36,14 +36,18 @@ class Window:
     def __init__(self) -> None:
         self._looks: dict[int, Look] = {}  # by where their pose stands in the mean
 
-    def add(self, state: JointState, look: Look) -> None:
-        """Keep a look at the pose where the robot is."""
-        self._looks[state.remember()] = look
+    def add(self, state: JointState, look: Look) -> int:
+        """Keep a look at the pose where the robot is; return where that stands in the mean."""
+        at = state.remember()
+        self._looks[at] = look
+        return at
 
     def look_back(self, state: JointState, params: JointLinesParams) -> int:
         """Take in what the past says of the newest line; return how many echoes did."""
         number, count = len(state.lines) - 1, 0
         table = LineTable.of(state).only(number)
+        if table.length_m[0] < params.least_m:
+            return 0
         parts: list[tuple[int, Paired]] = []
         for at, look in self._looks.items():
             predicted = predict(state, table, look.cones, params, at)
