@@ -24,12 +24,20 @@
 
 (defrule target-is-reachable "A target with a way to it is a candidate, unless it was given up or has to rest"
   (travel (id ?target) (state reachable) (length-m ?length) (stand-x-m ?x) (stand-y-m ?y))
+  (target (id ?target))
   (not (given-up ?target))
   (not (postponed ?target ?))
   =>
   (assert (candidate (target ?target) (length-m ?length) (x-m ?x) (y-m ?y))))
 
-(defrule candidate-is-outdated "What was known of the way has changed, or the target is gone"
+(defrule candidate-target-is-gone "Its travel may stand a little longer than the target"
+  (declare (salience ?*tidy*))
+  ?candidate <- (candidate (target ?target))
+  (not (target (id ?target)))
+  =>
+  (retract ?candidate))
+
+(defrule candidate-is-outdated "What was known of the way has changed"
   (declare (salience ?*tidy*))
   ?candidate <- (candidate (target ?target) (length-m ?length) (x-m ?x) (y-m ?y))
   (not (travel (id ?target) (state reachable) (length-m ?length) (stand-x-m ?x) (stand-y-m ?y)))

@@ -56,11 +56,14 @@ class LineRelation(Message, frozen=True, kw_only=True):
 
 
 class Target(Message, frozen=True, kw_only=True):
-    """A place worth a visit: the centre of a frontier, or ends of lines. From `stand` a robot of its size could look at it."""
+    """A place worth a visit: the centre of a frontier, ends of lines, a corner or an object that rules want looked at.
+
+    From `stand` a robot of its size could look at it.
+    """
 
     place: Point
     stand: Point
-    reason: Literal["frontier", "line end"]
+    reason: Literal["frontier", "line end", "corner", "object"]
     size_m: Length
 
     def extent(self) -> Extent:
