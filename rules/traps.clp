@@ -50,6 +50,8 @@
 (defrule cycling-choose "Wandering in circles shows nothing new: see whether a target is worth a visit"
   ?mode <- (mode wander)
   (trap (trap cycling))
+  (or (exists (candidate))
+      (not (postponed ? ?))) ; else there is nothing to choose, and it would wander on at once
   =>
   (retract ?mode)
   (assert (mode choose)))

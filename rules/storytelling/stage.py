@@ -149,7 +149,7 @@ class Stage:
         for entry in self.board.entries(MOTIVATION):
             name, asked = str(entry.id), entry.value
             standing = self.board.newest(BEHAVIOUR, name)
-            if name in self._story.silent or (standing is not None and standing.value.acknowledged >= asked.number):
+            if name in self._story.silent or (standing is not None and _needs_nothing(standing.value, asked.number)):
                 continue
             any_did = True
             status = BehaviourStatus(
@@ -160,3 +160,8 @@ class Stage:
             )
             self.board.post(BEHAVIOUR, status, id=name, source=standing.source if standing is not None else name)
         return any_did
+
+
+def _needs_nothing(status: BehaviourStatus, number: int) -> bool:
+    """Say whether a behaviour has taken up a motivation, or has failed and takes up none any more."""
+    return status.acknowledged >= number or status.state == "failed"

@@ -21,6 +21,7 @@ from rules.storytelling.stage import CLOCK_S, Seen, Stage
 from rules.storytelling.story_file import Said, Step, Story, read_story
 
 NEAREST_SHOWN = 3
+ERRORS_SHOWN = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,13 +162,14 @@ def _deeds(step: Step, seen: Seen) -> Iterator[Failure]:
 
 
 def _errors(step: Step, seen: Seen) -> Iterator[Failure]:
-    told = [f"{error.rule}: {error.text}" for error in seen.errors]
+    told = list(dict.fromkeys(f"{error.rule}: {error.text}" for error in seen.errors))
     for said in step.errors:
         if not any(fnmatchcase(text, said.text) for text in told):
             yield Failure(said.line, f"an error {said.text}", tuple(told) or ("there was no error",))
     stray = [text for text in told if not any(fnmatchcase(text, said.text) for said in step.errors)]
     if stray:
-        yield Failure(step.line, "no error of a rule", tuple(stray))
+        more = [f"and {len(stray) - ERRORS_SHOWN} more"] if len(stray) > ERRORS_SHOWN else []
+        yield Failure(step.line, "no error of a rule", (*stray[:ERRORS_SHOWN], *more))
 
 
 def _fired(seen: Seen) -> tuple[str, ...]:
