@@ -4,8 +4,8 @@ Reads  observations/signal/odometry     Odometry
 
 A motivation may ask for another angle than a whole turn: with a ring of sonars a part of it shows all directions.
 
-Bou-Ghannam 1992, section 6.1 (the start of an exploration, and at each target). The turn is measured on the odometry: the sum of its changes. Where
-avoid-obstacles keeps turning the robot another way, curiosity gives up after a while.
+Bou-Ghannam 1992, section 6.1 (the start of an exploration, and at each target). The turn is measured on the odometry: the sum of
+its changes. Where avoid-obstacles keeps turning the robot another way, curiosity gives up after a while.
 """
 
 from dataclasses import dataclass
