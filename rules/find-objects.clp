@@ -66,6 +66,7 @@
 (defrule looked-there-target-is-over "A place that was looked at is no target any more"
   (declare (salience ?*note*))
   (given-up ?id)
+  (not (looks-for ?id)) ; without it the look around it would be over at once
   ?target <- (target (id ?id) (reason corner|object))
   =>
   (retract-entry ?target))

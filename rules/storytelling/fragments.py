@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from rules.explaining.matching import Matcher
 from rules.language.actions import ActionCompiler
 from rules.language.errors import RuleError, RuleErrors
 from rules.language.evaluation import evaluate
@@ -51,7 +52,7 @@ def read_fragments(story: Story, texts: Mapping[str, str], templates: Sequence[T
     deffacts = {one.name: one for one in program.deffacts}
     rules = {one.name: one for one in program.rules}
     boards = {template.name for template in program.templates if template.position is None}
-    compiler = ActionCompiler(program, {})
+    compiler, globals_ = ActionCompiler(program, {}), Matcher(program).globals
 
     def form_of(said: Said) -> FactForm:
         facts = deffacts[names[said]].facts
@@ -71,7 +72,7 @@ def read_fragments(story: Story, texts: Mapping[str, str], templates: Sequence[T
             raise RuleError(
                 f"{file}:{said.line}: ({form.relation} ...) is no entry of the board; put it under `assert`"
             )
-        return form.relation, _slots(form)
+        return form.relation, _slots(form, globals_)
 
     def fact_of(said: Said) -> FactValue:
         form = form_of(said)
@@ -79,12 +80,12 @@ def read_fragments(story: Story, texts: Mapping[str, str], templates: Sequence[T
             raise RuleError(
                 f"{file}:{said.line}: ({form.relation} ...) is an entry of the board; put it under `entries`"
             )
-        return compiler.fact(form)({}, {})
+        return compiler.fact(form)({}, globals_)
 
     def change_of(said: Said) -> Change:
         action = rules[names[said]].actions[0]
         assert isinstance(action, Modify)
-        slots = tuple((slot, _together(evaluate(v, {}, {}) for v in values)) for slot, values in action.slots)
+        slots = tuple((slot, _together(evaluate(v, {}, globals_) for v in values)) for slot, values in action.slots)
         return Change(pattern_of(said), slots)
 
     own = Program(
@@ -136,11 +137,11 @@ def _change(story: Story, said: Said) -> str:
     )
 
 
-def _slots(form: FactForm) -> dict[str, Value]:
+def _slots(form: FactForm, globals_: Mapping[str, Value]) -> dict[str, Value]:
     """Return the slots that are written, with their values."""
     written: dict[str, list[Value]] = {}
     for slot, field in zip(form.slots or (), form.fields, strict=True):
-        written.setdefault(slot, []).append(evaluate(field, {}, {}))
+        written.setdefault(slot, []).append(evaluate(field, {}, globals_))
     return {slot: _together(values) for slot, values in written.items()}
 
 

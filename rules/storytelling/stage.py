@@ -64,7 +64,7 @@ class Stage:
         self.board.subscribe(f"ski/story/{FIRING.path}/*", lambda entry: self._seen.firings.append(entry.value))
         self.board.subscribe(f"ski/story/{RULE_ERROR.path}/*", lambda entry: self._seen.errors.append(entry.value))
         for name in (*parts.behaviours, *parts.levels):
-            self.board.post(SWITCH, Switch(), id=name, source="story")
+            self.board.post(SWITCH, Switch(), id=name, source=self.module.name)
 
     def play(self, step: Step) -> Seen:
         """Let a step happen and the rules have their turn. Raises RuleError with the step's line."""
