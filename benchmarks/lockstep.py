@@ -8,20 +8,22 @@ that they matched, working memory with its indices, the globals, what was printe
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields
 from random import Random
 from time import perf_counter
 
+from random_facts import FactMaker
 from random_programs import Writer
 
 from rules.engines.clips_engine import ClipsEngine
-from rules.engines.engine import Activation, Engine, Firing
+from rules.engines.engine import Activation, Engine, External, Firing
 from rules.engines.experta_engine import ExpertaEngine
 from rules.language.errors import RuleError
 from rules.language.reader import read_text
+from rules.language.reading.vocabulary import BOARD_ACTIONS
 from rules.language.syntax import Program
-from rules.language.values import FactValue
+from rules.language.values import FactValue, Value, written
 
 MOST_FIRINGS = 15  # after each change from outside
 CHANGES = 8  # from outside
@@ -33,22 +35,25 @@ class Tally:
     """What a program made of itself."""
 
     firings: int = 0
+    first: int = 0  # firings of what experta by itself would have fired
     changes: int = 0
     failed_actions: int = 0
     activations: int = 0
+    fired: list[str] = field(default_factory=list)  # rules
     refused: int = 0  # by CLIPS, which sees that a variable can never be a number where one is asked for
 
     def add(self, other: "Tally") -> None:
-        for field in fields(self):
-            setattr(self, field.name, getattr(self, field.name) + getattr(other, field.name))
+        for one in fields(self):
+            setattr(self, one.name, getattr(self, one.name) + getattr(other, one.name))
 
 
 class Pair:
     """One program on both engines."""
 
-    def __init__(self, program: Program, externals: Mapping[str, object] | None = None) -> None:
-        self.clips = ClipsEngine(program, externals)  # type: ignore[arg-type]
-        self.experta = ExpertaEngine(program, externals)  # type: ignore[arg-type]
+    def __init__(self, program: Program) -> None:
+        self.called: tuple[list[str], list[str]] = ([], [])  # what board actions were asked for
+        self.clips = ClipsEngine(program, _board_actions(self.called[0]))
+        self.experta = ExpertaEngine(program, _board_actions(self.called[1]))
         self.tally = Tally()
 
     def reset(self) -> str | None:
@@ -67,6 +72,8 @@ class Pair:
             less = [one for one in agendas[0] if one not in agendas[1]]
             more = [one for one in agendas[1] if one not in agendas[0]]
             return f"agenda of {len(agendas[0])}: experta lacks {less} and has {more} too\n  {_facts(self.clips)}"
+        if self.called[0] != self.called[1]:
+            return f"board actions: {self.called[0]} in CLIPS, {self.called[1]} in experta"
         values = [
             {name: repr(value) for name, value in engine.globals().items()} for engine in (self.clips, self.experta)
         ]
@@ -89,16 +96,33 @@ class Pair:
         if fired is None:
             return False, None
         self.tally.firings += 1
-        same = next((one for one in self.experta.agenda() if _shape(one) == _shape(fired.activation)), None)
-        other = None if same is None else self.experta.fire(same)
-        if other is None:
+        self.tally.fired.append(fired.activation.rule)
+        waiting = self.experta.agenda()
+        same = next((one for one in waiting if _shape(one) == _shape(fired.activation)), None)
+        if same is None:
             return True, f"{fired.activation} does not fire in experta"
+        self.tally.first += same == waiting[0]
+        other = self.experta.fire(same)
+        assert other is not None
         self.tally.failed_actions += fired.error is not None
         return True, _unlike(fired, other) or self.difference()
 
     def close(self) -> None:
         self.clips.close()
         self.experta.close()
+
+
+def _board_actions(called: list[str]) -> dict[str, External]:
+    """Return functions in the place of those of a planning module: they take note that they were called."""
+
+    def named(name: str) -> External:
+        def call(*arguments: Value) -> Value:
+            called.append(f"({name} {' '.join(map(written, arguments))})")
+            return len(called) * 0.5
+
+        return call
+
+    return {name: named(name) for name in (*BOARD_ACTIONS, "now")}
 
 
 def _shape(activation: Activation) -> tuple[str, tuple[int, ...], int]:
@@ -130,10 +154,10 @@ def _net(firing: Firing) -> list:  # type: ignore[type-arg]
     return [changes[0] for changes in found.values() if len(changes) % 2]
 
 
-def drive(pair: Pair, random: Random, facts: Iterator[FactValue]) -> str | None:
+def drive(pair: Pair, random: Random, facts: Iterator[FactValue], changes: int = CHANGES) -> str | None:
     """Change working memory from outside and let rules fire in between; return the first difference."""
     fault = pair.reset()
-    for _ in range(CHANGES):
+    for _ in range(changes):
         for _ in range(MOST_FIRINGS):
             if fault is not None:
                 return fault
@@ -162,13 +186,20 @@ def lockstep(seed: int) -> tuple[Tally, str | None]:
             return Tally(refused=1), None
         return Tally(), f"refused: {refusal}\n{text}"
 
-    def facts() -> Iterator[FactValue]:
-        while True:
-            yield writer.fact()
-
     try:
-        fault = drive(pair, writer.random, facts())
+        fault = drive(pair, writer.random, iter(writer.fact, None))
         return pair.tally, fault if fault is None else f"{fault}\n{text}"
+    finally:
+        pair.close()
+
+
+def lockstep_of(program: Program, seed: int, changes: int = 60) -> tuple[Tally, str | None]:
+    """Run a program on both engines, fed with facts that its rules look at; return what happened and the first difference."""
+    random = Random(seed)
+    pair = Pair(program)
+    try:
+        fault = drive(pair, random, FactMaker(program, random).facts(), changes)
+        return pair.tally, fault
     finally:
         pair.close()
 
@@ -189,6 +220,7 @@ def main() -> None:
     print(f"programs                      {options.programs}, of which CLIPS refuses {total.refused}")
     print(f"changes from outside          {total.changes}")
     print(f"firings                       {total.firings}, of which {total.failed_actions} with actions that fail")
+    print(f"of them next in experta too   {total.first}")
     print(f"activations compared          {total.activations}")
     print(f"programs with a difference    {len(faults)}")
     print(f"took {perf_counter() - started:.0f} s", file=sys.stderr)

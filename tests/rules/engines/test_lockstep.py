@@ -1,15 +1,20 @@
 """experta and CLIPS in lockstep, on random programs with fixed seeds and on the rule files that come with the project."""
 
-from pathlib import Path
+import tomllib
 
 import pytest
+
+from blackboard.vocabulary import Vocabulary
+from rules.language.reader import read_program
+from rules.language.templates import planning_templates
+from rules.rule_files import shipped_rule_files
 
 pytest.importorskip("clips")
 
 import lockstep
 
-ROOT = Path(lockstep.__file__).parent.parent
 BLOCKS, IN_BLOCK = 10, 30
+SHIPPED = shipped_rule_files()
 
 
 @pytest.mark.parametrize("block", range(BLOCKS))
@@ -22,3 +27,26 @@ def test_random_programs(block: int) -> None:
     assert total.refused < IN_BLOCK / 5
     assert total.firings > 60
     assert total.activations > 300
+
+
+def file_sets() -> list[tuple[str, ...]]:
+    """Return the sets of rule files that missions use together; a file that none uses is a set of its own."""
+    sets: dict[tuple[str, ...], None] = {}
+    for mission in sorted((SHIPPED["explore"].parent / "missions").glob("*.toml")):
+        table = tomllib.loads(mission.read_text(encoding="utf-8"))
+        names = tuple(table.get("rules", {}).get("files", ()))
+        if names:
+            sets[names] = None
+    used = {name for names in sets for name in names}
+    return [*sets, *((name,) for name in SHIPPED if name not in used)]
+
+
+@pytest.mark.parametrize("names", file_sets(), ids="+".join)
+def test_rule_files_of_the_project(names: tuple[str, ...]) -> None:
+    program = read_program([SHIPPED[name] for name in names], planning_templates(Vocabulary()))
+    fired: set[str] = set()
+    for seed in range(5):
+        tally, fault = lockstep.lockstep_of(program, seed)
+        assert fault is None, f"seed {seed}: {fault}"
+        fired |= set(tally.fired)
+    assert len(fired) > 0.6 * len(program.rules), "facts are to be had for most rules"
