@@ -6,6 +6,7 @@
 (defglobal ?*into-corner-m* = 0.8)  ; the middle of what is looked at: a drum of 0.3 m radius fills a corner so far
 (defglobal ?*stand-off-m* = 1.5)    ; from there a corner is in the camera's view, and near
 (defglobal ?*same-corner-m* = 0.8)  ; corners nearer to each other are one: lines move a little
+(defglobal ?*all-round-rad* = 6.3)  ; a whole turn
 (defglobal ?*spell-s* = 20.0)       ; so long it wanders before it looks around, once all is explored
 (defglobal ?*search-spells* = 40)   ; and so often, before it gives up
 
@@ -68,8 +69,16 @@
   (given-up ?id)
   (not (looks-for ?id)) ; without it the look around it would be over at once
   ?target <- (target (id ?id) (reason corner|object))
+  (not (looks-for ?id))
   =>
   (retract-entry ?target))
+
+(defrule looking-for-something-look-all-round "A camera sees only what is ahead of it"
+  (declare (salience ?*urgent*))
+  (mode look-around)
+  (looking-for ? ?)
+  =>
+  (motivate curiosity ?*all-round-rad*))
 
 ; What to do next
 
