@@ -85,6 +85,36 @@ BENCHMARKS = (
         ("lines_of_points.py",),
     ),
     (
+        "Exploring the lab to the end",
+        "Odometry errs. Beside it the same mission without its rules, for the same time: reflexes only.",
+        ("exploring.py", "--world", "lab", "--reflexes"),
+    ),
+    (
+        "Exploring the traps to the end",
+        "The same.",
+        ("exploring.py", "--world", "trap", "--reflexes"),
+    ),
+    (
+        "Exploring the office to the end",
+        "The same.",
+        ("exploring.py", "--world", "office", "--reflexes", "--duration", "7200"),
+    ),
+    (
+        "Exploring, disturbed",
+        "A chair is put in the robot's way, a person stands in a passage for a minute, a door closes for good.",
+        ("exploring.py", "--world", "lab", "trap", "--seeds", "10", "--disturbed"),
+    ),
+    (
+        "Exploring floor plans that nobody has seen",
+        "Each seed has a floor plan of its own.",
+        ("exploring.py", "--world", "random", "--seeds", "10"),
+    ),
+    (
+        "Finding drums",
+        "Eight drums in the warehouse, with and without knowing that they usually stand in corners.",
+        ("finding.py",),
+    ),
+    (
         "Corners",
         "",
         ("corners.py",),

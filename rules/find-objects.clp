@@ -69,7 +69,6 @@
   (given-up ?id)
   (not (looks-for ?id)) ; without it the look around it would be over at once
   ?target <- (target (id ?id) (reason corner|object))
-  (not (looks-for ?id))
   =>
   (retract-entry ?target))
 
