@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DPI = 150
-LETTER_IN, LINE_IN = 0.062, 0.135  # of a 6.5 pt letter and line
+LETTER_IN, LINE_IN = 0.058, 0.135  # of a 6.5 pt letter and line
 FONT_PT = 6.5
 EDGE_IN = 0.35
 COLOURS = {

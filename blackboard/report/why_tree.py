@@ -11,6 +11,7 @@ from blackboard.why_words import is_firing, short
 BOXES = 30  # more cannot be read on one page: what lies deeper is folded
 ALIKE = 3  # so many entries of one kind below one box are shown one by one, more of them as one box
 LETTERS = 46  # of a line
+HEADING = 40  # letters, which are bold
 LINES = 5  # of a paragraph
 ROW_GAP, COLUMN_GAP = 1.1, 6.0  # in lines, in letters
 # What leads to a decision is unfolded before what it was measured with: panels, by how many steps nearer others count.
@@ -109,6 +110,7 @@ def _split(reason: Reason) -> tuple[str, str]:
     sentence, bracket, _ = reason.words.partition("  [")
     chunks = key.split("/")
     heading = "/".join(chunks[2 if chunks[0] in ("observations", "hypotheses") else 1 :])
+    heading = heading if len(heading) <= HEADING else f"{heading[: HEADING - 1]}…"
     return heading, sentence if bracket else reason.words.removeprefix(key).lstrip(" ,")
 
 

@@ -201,6 +201,8 @@ def _row(constraints: Sequence[Constraint], fields: Sequence[Value]) -> list[tup
 
 def rounded(value: Value) -> Value:
     """Return a value as it is shown: numbers to six digits."""
+    if isinstance(value, tuple):
+        return tuple(map(rounded, value))
     return float(f"{value:.6g}") if isinstance(value, float) else value
 
 

@@ -87,7 +87,8 @@ def test_the_same_bytes_each_time_as_png_and_svg(tree: Reason, tmp_path) -> None
 
 
 def test_words_stay_within_their_boxes(tree: Reason) -> None:
-    figure = why_figure(tree)
+    wide = reason(f"control/firing/{'mw-' * 30}", "revision 1: " + "WIDE MARGINS " * 20, tree)
+    figure = why_figure(reason("commands/drive", "revision 4", wide))
     (axes,) = figure.axes
     edges = {round(patch.get_x(), 3): patch.get_x() + LETTERS for patch in axes.patches if hasattr(patch, "get_x")}
     for text in axes.texts:
