@@ -224,7 +224,7 @@ def _underscored(name: str) -> str:
 
 
 def _word(action: str, value: Value) -> str:
-    if not isinstance(value, Symbol | str):
+    if not isinstance(value, Symbol | str | int):  # an id that is all digits is an integer
         raise RuleError(f"{action}: {written(value)} must be a name")
     return str(value)
 

@@ -25,6 +25,8 @@ class Holds:
     def __str__(self) -> str:
         named = {int: "integer", float: "number", str: "text"}
         words = [word.name for word in self.words] or (["a word"] if Symbol in self.kinds else [])
+        if not self.words and {Symbol, int} <= self.kinds:
+            return "a word, or an integer where it is all digits"
         return " or ".join([text for one, text in named.items() if one in self.kinds] + words)
 
     def can_be(self, value: Value) -> bool:
@@ -69,7 +71,7 @@ def _unfit(value: Value, holds: Holds) -> str | None:
 def slots_hold(template: KindTemplate) -> dict[str, Holds]:
     """Return what each slot of an entry's template can hold."""
     found = {
-        "id": Holds(frozenset({Symbol})),
+        "id": Holds(frozenset({Symbol, int})),
         "key": Holds(frozenset({str})),
         "stamp-s": Holds(frozenset({float})),
     }
@@ -112,7 +114,7 @@ def _holds(options: list[msgspec.inspect.Type]) -> Holds:
             kinds.add(Symbol)
             words += [symbol(str(value)) for value in option.values]
         elif isinstance(option, msgspec.inspect.StrType):
-            kinds.add(Symbol if worded else str)
+            kinds |= {Symbol, int} if worded else {str}  # a name that is all digits is an integer
             free = True
         elif isinstance(option, msgspec.inspect.BoolType):
             kinds.add(Symbol)

@@ -3,7 +3,7 @@
 A template bears its kind's name with `-` for `_`; the name of its panel goes before it where two kinds share one. Its slots
 are `id` (of a collection), `key`, `stamp-s`, then the fields of the value: those of a record inside it follow its name
 (`place-x-m`), a row of plain values is a multislot, arrays and rows of records are left out. Words from a fixed choice, names
-and ids are symbols (a space in them becomes `-`), free text is a string, nothing is `nil`.
+and ids are symbols (a space in them becomes `-`; one that is all digits is an integer), free text is a string, nothing is `nil`.
 """
 
 import re
@@ -23,6 +23,8 @@ from rules.language.values import FALSE, NIL, TRUE, FactValue, Symbol, Value, as
 
 CLOCK = Template("clock", (Slot("time-s"),), "the mission's clock, told about once a second to rules that ask for it")
 LONGEST_NAME = 200  # a string that may be no longer than this is a name
+_COUNT = re.compile(r"0|[1-9]\d{0,17}")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")  # as CLIPS reads one
 _UNFIT = re.compile(r"[\s()\"';&|~<$?]+")  # what CLIPS does not take in a symbol
 
 
@@ -46,7 +48,7 @@ class KindTemplate:
 
     def fact(self, entry: Entry[Any]) -> FactValue:
         """Return an entry as a fact."""
-        values: list[Value] = [symbol(entry.id)] if self.kind.collection and entry.id is not None else []
+        values: list[Value] = [name_value(entry.id)] if self.kind.collection and entry.id is not None else []
         values += (entry.key, float(entry.stamp_s))
         for field in self.fields:
             found = entry.value
@@ -74,8 +76,14 @@ class KindTemplate:
 
 
 def symbol(word: str) -> Symbol:
-    """Return a word as a symbol, `-` for what a symbol cannot hold."""
-    return Symbol(_UNFIT.sub("-", word) or "-")
+    """Return a word as a symbol, `-` for what a symbol cannot hold, and `_` before what would read as a number."""
+    fit = _UNFIT.sub("-", word) or "-"
+    return Symbol(f"_{fit}" if _NUMBER.fullmatch(fit) else fit)
+
+
+def name_value(name: str) -> Value:
+    """Return a name or an id as rules write it: a symbol, or an integer where it is the number of something."""
+    return int(name) if _COUNT.fullmatch(name) else symbol(name)
 
 
 def kind_templates(kinds: Iterable[Kind[Any]]) -> dict[str, KindTemplate]:
@@ -149,6 +157,7 @@ def _items(type_: msgspec.inspect.VarTupleType | msgspec.inspect.TupleType) -> l
 def _said(options: Iterable[msgspec.inspect.Type]) -> Callable[[Any], Value] | None:
     """Return how a value of one of these types is said; None where it is no plain value."""
     words = False
+    options = list(options)
     for option in options:
         if isinstance(option, msgspec.inspect.LiteralType):
             words = True
@@ -159,11 +168,19 @@ def _said(options: Iterable[msgspec.inspect.Type]) -> Callable[[Any], Value] | N
             msgspec.inspect.IntType | msgspec.inspect.FloatType | msgspec.inspect.BoolType | msgspec.inspect.NoneType,
         ):
             return None
-    return _say_word if words else _say
+    said = _say_word if words else _say
+    of_kinds = {type(option) for option in options}
+    is_float = msgspec.inspect.FloatType in of_kinds and msgspec.inspect.IntType not in of_kinds
+    return _float_or(said) if is_float else said
+
+
+def _float_or(said: Callable[[Any], Value]) -> Callable[[Any], Value]:
+    """What is a float by its type is said as one, though a component posted 1 for 1.0; and there is one zero only."""
+    return lambda value: float(value) + 0.0 if type(value) in (int, float) else said(value)
 
 
 def _say_word(value: Any) -> Value:
-    return symbol(value) if isinstance(value, str) else _say(value)
+    return name_value(value) if isinstance(value, str) else _say(value)
 
 
 def _say(value: Any) -> Value:
@@ -198,6 +215,8 @@ def plain_value(field: SlotField, value: Value) -> Any:
         return value == TRUE
     if isinstance(value, Symbol):
         return next((choice for choice in field.choices if symbol(choice) == value), value.name)
+    if isinstance(value, int) and field.said is _say_word:
+        return str(value)
     if isinstance(value, str | int | float):
         return value
     raise RuleError(f"slot '{field.slot.name}': {written(value)} cannot be posted")
