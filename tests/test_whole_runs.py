@@ -128,7 +128,7 @@ def test_ctrl_c_writes_what_was_gathered(tmp_path: Path, capsys: pytest.CaptureF
     ("arguments", "words"),
     [
         (["rnu", "wander-lab"], "there is no verb 'rnu'; did you mean 'run'?"),
-        (["run", "explore-lap"], "there is no mission 'explore-lap'; did you mean 'wander-lab'?"),
+        (["run", "explore-lap"], "there is no mission 'explore-lap'; did you mean 'explore-lab'?"),
         (["run", "wander-lab", "--world", "lap"], "did you mean 'lab'?"),
         (["run", "wander-lab", "--robot", "k2b"], "did you mean 'k2a'?"),
         (["run", "wander-lab", "--set", "eou_grid.cel_m=0.1"], "did you mean 'cell_m'?"),
