@@ -1,7 +1,7 @@
 """What an engine is: working memory, agenda and the firing of rules, the same for experta and for CLIPS.
 
-Semantics are those of CLIPS 6.42 with the depth strategy: activations by salience, the newest first, then in the order of the
-rules' definition. A fact that stands already is not asserted again.
+Semantics are those of CLIPS 6.42 with the depth strategy: activations by salience, then the newest first; of those that one change
+of working memory brings, as a rule the rule that is defined first. A fact that stands already is not asserted again.
 """
 
 from abc import ABC, abstractmethod

@@ -20,20 +20,19 @@ class NetworkMatcher(Matcher):  # type: ignore[misc]
         super().__init__(engine)
         self.added: dict[RuleActivation, None] = {}
         self.removed: list[RuleActivation] = []
-        self.change = 0
         self.born = 0
 
     def build(self, network: Network) -> None:
         """Put the rules of the engine into an empty network."""
         self.network = network
-        for definition, rule in enumerate(self.engine.get_rules()):
+        for rule in self.engine.get_rules():
             for row in rule:
-                network.add_row(row.parts, self._end_of(rule, row, definition))
+                network.add_row(row.parts, self._end_of(rule, row))
 
-    def _end_of(self, rule: Any, row: Row, definition: int) -> Callable[[Bound], RuleEnd]:
+    def _end_of(self, rule: Any, row: Row) -> Callable[[Bound], RuleEnd]:
         def matched(facts: tuple[WorkingFact, ...]) -> RuleActivation:
             self.born += 1
-            activation = RuleActivation(rule, row, facts, (rule.salience, self.change, -definition, self.born))
+            activation = RuleActivation(rule, row, facts, (rule.salience, self.born))
             self.added[activation] = None
             return activation
 
@@ -53,7 +52,6 @@ class NetworkMatcher(Matcher):  # type: ignore[misc]
         self, adding: Iterable[WorkingFact] = (), deleting: Iterable[WorkingFact] = ()
     ) -> tuple[list[RuleActivation], list[RuleActivation]]:
         """Pass changes through the network; return the activations that have come and those that have gone."""
-        self.change += 1
         for fact in deleting:
             self.network.remove(fact)
         for fact in adding:

@@ -1,6 +1,7 @@
-"""Which activation fires next: the greatest salience, then the newest, then the rule that is defined first.
+"""Which activation fires next: the greatest salience, then the newest.
 
-Activations born in the same change of working memory are ordered by definition; those of one rule, the last made first.
+Activations that one change brings are born in the order in which the network comes to them: as a rule the rule that is defined
+last is first born, and so last to fire.
 """
 
 from bisect import bisect_left, insort

@@ -43,6 +43,9 @@ class Successor(Protocol):
         """Work on a token that has come into the memory."""
 
 
+_NOTHING: dict[Any, None] = {}
+
+
 class Index:
     """Tokens, or facts, by a key."""
 
@@ -68,7 +71,13 @@ class Index:
             del self.buckets[key]
 
     def found(self, key: Identity) -> Iterable[Any]:
+        """Return what has this key, the first to come first."""
         return self.buckets.get(key, ())
+
+    def newest(self, key: Identity) -> Iterable[Any]:
+        """Return what has this key, the last to come first."""
+        bucket: dict[Any, None] = self.buckets.get(key, _NOTHING)
+        return reversed(bucket)
 
 
 class Memory:
@@ -112,8 +121,9 @@ class RightSide(Protocol):
 class AlphaMemory:
     """The facts that match one pattern by themselves."""
 
-    def __init__(self, checks: list[Callable[[WorkingFact], bool]]) -> None:
+    def __init__(self, checks: list[Callable[[WorkingFact], bool]], order: tuple[int, ...]) -> None:
         self.checks = checks
+        self.order = order  # which of the memories a fact enters first
         self.indexes: dict[tuple[Place, ...], Index] = {}
         self.joins: list[RightSide] = []  # the latest made first: what stands below another must meet a fact before it
 

@@ -47,7 +47,7 @@ class Network:
     def add_row(self, row: Sequence[Part], end: Callable[[Bound], RuleEnd]) -> None:
         """Add a row of conditions; `end` makes what takes its matches, from where each variable is bound."""
         memory, bound, _ = self._row(self.root, row, {}, 0)
-        memory.successors.append(end(bound))
+        memory.successors.insert(0, end(bound))
 
     def clear(self) -> None:
         """Forget all facts."""
@@ -103,7 +103,7 @@ class Network:
                 spec, JoinNode(left, alpha.index(tuple(here for here, _ in made.keys)), guarded(checks, on_error=False))
             )
             assert isinstance(node, JoinNode)
-            memory.successors.append(node)
+            memory.successors.insert(0, node)
             alpha.joins.insert(0, node)
         after = {**bound, **{name: TokenPlace(level, place) for name, place in made.binds.items()}}
         if match.binding is not None:
@@ -121,7 +121,7 @@ class Network:
             right = alpha.index(tuple(here for here, _ in made.keys))
             node = self._new(spec, OneFactNode(resting, right, guarded(checks, on_error=not wanted), wanted))
             assert isinstance(node, OneFactNode)
-            memory.successors.append(node)
+            memory.successors.insert(0, node)
             alpha.joins.insert(0, node)
         return node
 
@@ -142,7 +142,7 @@ class Network:
             return all(one(facts, fact) for one in checks) is wanted
 
         node = FilterNode(guarded([check], on_error=False))
-        memory.successors.append(node)
+        memory.successors.insert(0, node)
         return self._new(spec, node)
 
     def _group(self, memory: Memory, group: Group, bound: Bound, level: int) -> Memory:
@@ -154,7 +154,7 @@ class Network:
             if isinstance(first, Match) and len(tests) == len(rest):
                 return self._one_fact(memory, first, tests, bound, group.wanted)
         node = GroupNode(self.settling, group.wanted)
-        memory.successors.append(node)
+        memory.successors.insert(0, node)
         self.memories += [node, node.passed]
         for branch in group.branches:
             end, _, _ = self._row(node, branch, bound, level)

@@ -37,7 +37,7 @@ class JoinNode(Memory):
                 self.put(Token(self, token, fact, (*facts, fact)))
 
     def meet(self, fact: WorkingFact) -> None:
-        for token in self.left.found(self.right.key(fact)):
+        for token in self.left.newest(self.right.key(fact)):
             facts = token.facts
             if self.test is None or self.test(facts, fact):
                 self.put(Token(self, token, fact, (*facts, fact)))
@@ -73,7 +73,7 @@ class OneFactNode(Memory):
                 return
 
     def meet(self, fact: WorkingFact) -> None:
-        for token in self.resting.found(self.right.key(fact)):
+        for token in self.resting.newest(self.right.key(fact)):
             if token.state is None and (self.test is None or self.test(token.facts, fact)):
                 token.state = fact
                 fact.blocks[token] = None
@@ -224,7 +224,7 @@ def remove(fact: WorkingFact) -> None:
     fact.memories.clear()
     while fact.tokens:
         drop(next(iter(fact.tokens)))
-    for token in list(fact.blocks):
+    for token in reversed(list(fact.blocks)):  # CLIPS's order
         if token.alive:
             assert isinstance(token.owner, OneFactNode)
             token.owner.lost(token)

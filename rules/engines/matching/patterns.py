@@ -31,13 +31,16 @@ AlphaCheck = Callable[[WorkingFact], bool]
 
 @dataclass(slots=True)
 class Matching:
-    """A compiled pattern. `spec` and `test_specs` say the same as `checks` and `tests`, comparably, so that nodes can be shared."""
+    """A compiled pattern. `specs` and `test_specs` say the same as `checks` and `tests`, comparably, so that nodes can be shared.
+
+    `specs` are by place, in the order of the fields or slots.
+    """
 
     relation: str
     ordered: bool
     constants: dict[Place, Identity] = field(default_factory=dict)
     checks: list[AlphaCheck] = field(default_factory=list)
-    spec: list[object] = field(default_factory=list)
+    specs: dict[Place, list[object]] = field(default_factory=dict)
     keys: list[tuple[Place, TokenPlace]] = field(default_factory=list)
     tests: list[Check] = field(default_factory=list)
     test_specs: list[object] = field(default_factory=list)
@@ -47,7 +50,10 @@ class Matching:
 def matching(pattern: Pattern, bound: Mapping[str, TokenPlace], templates: Templates, compiler: Compiler) -> Matching:
     """Compile a pattern, of whose variables some are `bound` by the patterns before it."""
     made = Matching(pattern.relation, pattern.slots is None)
-    for place, constraint in _places(pattern, templates, made):
+    placed = _places(pattern, templates, made)
+    for place, _ in sorted(placed, key=lambda one: _rank(one[0])):
+        made.specs.setdefault(place, [])
+    for place, constraint in placed:
         _constrain(made, place, constraint, bound, compiler)
     return made
 
@@ -82,6 +88,12 @@ def _places(pattern: Pattern, templates: Templates, made: Matching) -> list[tupl
     return found
 
 
+def _rank(place: Place) -> tuple[bool, int, bool, int]:
+    """Return what sorts places as the fields stand: those counted from the end come last."""
+    field, inside = (part[0] if isinstance(part, tuple) else part or 0 for part in (place.field, place.inside))
+    return field < 0, field, inside < 0, inside
+
+
 def _parts(constraints: tuple[Constraint, ...] | list[Constraint]) -> list[Part]:
     """Return the indices of some fields in a row; those after a `$?` count from the end."""
     stretches = [i for i, constraint in enumerate(constraints) if _is_stretch(constraint)]
@@ -104,7 +116,7 @@ def _check_length(made: Matching, index: int | None, parts: list[Part]) -> None:
     """Ask for as many fields, or values in a multislot, as there are parts; for that many or more with a `$?` among them."""
     stretches = sum(isinstance(part, tuple) for part in parts)
     least = len(parts) - stretches
-    made.spec.append(("length", index, least, stretches))
+    made.specs.setdefault(Place(index if index is not None else 0), []).append(("length", least, stretches))
 
     def check(fact: WorkingFact) -> bool:
         length = len(fact.identities if index is None else fact.identities[index])
@@ -131,14 +143,14 @@ def _constrain(
     def check(facts: tuple[WorkingFact, ...], fact: WorkingFact) -> bool:
         return any(all(one(facts, fact) for one in row) for row in checks)
 
-    _add(made, check, spec, all(alone for row in rows for _, _, alone in row))
+    _add(made, place, check, spec, all(alone for row in rows for _, _, alone in row))
 
 
 def _bind(made: Matching, place: Place, name: str, bound: Mapping[str, TokenPlace]) -> None:
     """Bind a variable here, or ask for the value that it has."""
     if name in made.binds:
         first, second = made.binds[name].identity(), place.identity()
-        made.spec.append(("same", made.binds[name], place))
+        made.specs[place].append(("same", made.binds[name]))
         made.checks.append(lambda fact: first(fact) == second(fact))
     elif name in bound:
         made.keys.append((place, bound[name]))
@@ -159,7 +171,7 @@ def _require(made: Matching, place: Place, atom: Atom, bound: Mapping[str, Token
     ):
         return
     else:
-        _add(made, *_checked(made, place, atom, bound, compiler))
+        _add(made, place, *_checked(made, place, atom, bound, compiler))
 
 
 def _checked(
@@ -196,9 +208,9 @@ def _checked(
     return equality(evaluate, read, negated), ("returned", spec_of, place, negated), alone
 
 
-def _add(made: Matching, check: Check, spec: object, alone: bool) -> None:
+def _add(made: Matching, place: Place, check: Check, spec: object, alone: bool) -> None:
     if alone:
-        made.spec.append(spec)
+        made.specs[place].append(spec)
         made.checks.append(lambda fact: check((), fact))
     else:
         made.test_specs.append(spec)

@@ -25,6 +25,7 @@ def test_random_programs(block: int) -> None:
         assert fault is None, f"seed {seed}: {fault}"
         total.add(tally)
     assert total.refused < IN_BLOCK / 5
+    assert total.first > 0.97 * total.firings, "experta by itself fires in the same order but for a few ties"
     assert total.firings > 60
     assert total.activations > 300
 
@@ -44,9 +45,10 @@ def file_sets() -> list[tuple[str, ...]]:
 @pytest.mark.parametrize("names", file_sets(), ids="+".join)
 def test_rule_files_of_the_project(names: tuple[str, ...]) -> None:
     program = read_program([SHIPPED[name] for name in names], planning_templates(Vocabulary()))
-    fired: set[str] = set()
+    total = lockstep.Tally()
     for seed in range(5):
         tally, fault = lockstep.lockstep_of(program, seed)
         assert fault is None, f"seed {seed}: {fault}"
-        fired |= set(tally.fired)
-    assert len(fired) > 0.6 * len(program.rules), "facts are to be had for most rules"
+        total.add(tally)
+    assert len(set(total.fired)) > 0.6 * len(program.rules), "facts are to be had for most rules"
+    assert total.first > 0.97 * total.firings, "experta by itself fires in the same order but for a few ties"
