@@ -76,8 +76,8 @@ class Index:
 
     def newest(self, key: Identity) -> Iterable[Any]:
         """Return what has this key, the last to come first."""
-        bucket: dict[Any, None] = self.buckets.get(key, _NOTHING)
-        return reversed(bucket)
+        latest_first: Iterable[Any] = reversed(self.buckets.get(key, _NOTHING))
+        return latest_first
 
 
 class Memory:
