@@ -7,6 +7,7 @@ from rules.checks.finding import Finding, in_order
 from rules.checks.names import Board, name_findings
 from rules.checks.order import order_findings
 from rules.checks.reach import reach_findings
+from rules.checks.second_look import second_look
 from rules.checks.slot_values import slot_value_findings
 from rules.language.errors import RuleError, RuleErrors
 from rules.language.syntax import Program
@@ -14,16 +15,15 @@ from rules.language.syntax import Program
 
 def findings(program: Program, board: Board) -> list[Finding]:
     """Return what is wrong with a program, in the order of its text."""
-    return in_order(
-        [
-            *name_findings(program, board),
-            *slot_value_findings(program, board),
-            *reach_findings(program),
-            *bound_findings(program),
-            *order_findings(program),
-            *endless_findings(program),
-        ]
-    )
+    found = [
+        *name_findings(program, board),
+        *slot_value_findings(program, board),
+        *reach_findings(program),
+        *bound_findings(program),
+        *order_findings(program),
+        *endless_findings(program),
+    ]
+    return in_order(found) if found else list(second_look(program))
 
 
 def refuse_faults(program: Program, parts: Parts) -> None:

@@ -178,3 +178,9 @@ def test_only_errors_keep_rules_from_being_loaded() -> None:
     refuse_faults(read_text("(defrule a (never) => (motivate curiosity))", templates=TEMPLATES), PARTS)
     with pytest.raises(RuleErrors, match="no behaviour 'walk'"):
         refuse_faults(read_text("(defrule a => (motivate walk))", templates=TEMPLATES), PARTS)
+
+
+def test_clips_is_asked_too_where_it_is_installed() -> None:
+    pytest.importorskip("clips")
+    (told,) = found("(defrule a (b ?x&1|2) (b ?x&2|3) => ) (deffacts d (b 2))")
+    assert told.startswith("1:1: warning: the engine 'clips' cannot run this: [CSTRNCHK1]")
