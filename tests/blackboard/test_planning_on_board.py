@@ -77,6 +77,6 @@ def test_under_strict_it_ends_the_run() -> None:
 
 
 def test_it_posts_only_what_it_declared() -> None:
-    board, at_work, _ = planning()
+    _, at_work, _ = planning()
     with pytest.raises(BoardError, match="without declaring it"):
         at_work._access.retract(TARGET, "none")
