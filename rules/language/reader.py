@@ -16,7 +16,7 @@ from rules.language.reading.forms import CONSTRUCTS, Form, top_forms
 from rules.language.reading.shadows import shadows
 from rules.language.reading.surroundings import Surroundings
 from rules.language.reading.tokens import tokens
-from rules.language.reading.vocabulary import FACT_ACTIONS, arities, hint
+from rules.language.reading.vocabulary import ARITIES, FACT_ACTIONS, hint
 from rules.language.scope import function_faults, rule_faults
 from rules.language.syntax import Function, Global, Position, Program, Template
 from rules.language.values import Value
@@ -126,7 +126,7 @@ def _templates(forms: Sequence[Form], known: Surroundings) -> list[Template]:
 
 
 def _functions(forms: Sequence[Form], known: Surroundings) -> list[Function]:
-    taken = dict.fromkeys((*arities(), *FACT_ACTIONS), "is a function of the language")
+    taken = dict.fromkeys((*ARITIES, *FACT_ACTIONS), "is a function of the language")
     functions: list[Function] = []
     for form in _named_once(forms, known, taken):
         with known.collecting():

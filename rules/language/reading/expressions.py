@@ -7,12 +7,12 @@ from rules.language.reading.forms import Form, Node, name_of, word
 from rules.language.reading.surroundings import Place, Surroundings
 from rules.language.reading.tokens import Token, TokenKind
 from rules.language.reading.vocabulary import (
+    ARITIES,
     BOARD_ACTIONS,
     FACT_ACTIONS,
     OTHER_ACTIONS,
     RIGHT_HAND_ONLY,
     SPELT,
-    arities,
     hint,
 )
 from rules.language.syntax import Call, Constant, Expression, GlobalUse, Position, VariableUse
@@ -59,7 +59,7 @@ def read_call(form: Form, place: Place, known: Surroundings, *, statement: bool 
             raise RuleError("write (post (kind (slot value) ...))", form.position)
         return Call(name, read_posted(arguments[0], place, known), form.position)
     values = tuple(read_expression(item, place, known) for item in arguments)
-    arity = known.functions.get(name) or arities()[name]
+    arity = known.functions.get(name) or ARITIES[name]
     check_number(f"({name} ...)", len(values), arity, form.position)
     for index, value in enumerate(values):
         wrong = unfit(name, index, value, kinds_of(value))
@@ -86,8 +86,8 @@ def _check_name(name: str, position: Position, place: Place, known: Surroundings
                 "(if ...) may not stand within an expression: put it into a deffunction and call that", position
             )
         raise RuleError(f"({name} ...) may not stand within an expression: it has no value here", position)
-    elif name not in arities():
-        near = hint(name) or did_you_mean(name, [*arities(), *known.functions])
+    elif name not in ARITIES:
+        near = hint(name) or did_you_mean(name, [*ARITIES, *known.functions])
         raise RuleError(f"there is no function '{name}'{near}", position)
 
 

@@ -6,7 +6,7 @@ from rules.language.reading.expressions import read_expression
 from rules.language.reading.forms import Form, Node, name_of
 from rules.language.reading.slots import check_one_value, check_single, slots_of
 from rules.language.reading.surroundings import Place, Surroundings
-from rules.language.reading.vocabulary import CONDITION_WORDS, FACT_ACTIONS, HINTS, arities
+from rules.language.reading.vocabulary import ARITIES, CONDITION_WORDS, FACT_ACTIONS, HINTS
 from rules.language.syntax import Call, Expression, FactForm, Position, Template
 
 
@@ -45,7 +45,7 @@ def no_template(relation: str, item: Form, known: Surroundings) -> str:
 
 
 def _is_function(name: str, known: Surroundings) -> bool:
-    return name in known.functions or name in arities() or name in HINTS or name in FACT_ACTIONS
+    return name in known.functions or name in ARITIES or name in HINTS or name in FACT_ACTIONS
 
 
 def _template_fact(form: Form, template: Template, place: Place, known: Surroundings) -> FactForm:

@@ -54,7 +54,11 @@ def hint(name: str) -> str:
     return f": {HINTS[name]}" if name in HINTS else ""
 
 
-def arities() -> dict[str, tuple[int, int | None]]:
-    """Return the numbers of arguments of all functions that expressions of a right-hand side may call, but those of the files."""
-    pure = {name: (function.least, function.most) for name, function in FUNCTIONS.items()}
-    return pure | STOP_EARLY | BOARD_ACTIONS | OTHER_ACTIONS | RIGHT_HAND_ONLY
+ARITIES: dict[str, tuple[int, int | None]] = {
+    **{name: (function.least, function.most) for name, function in FUNCTIONS.items()},
+    **STOP_EARLY,
+    **BOARD_ACTIONS,
+    **OTHER_ACTIONS,
+    **RIGHT_HAND_ONLY,
+}
+"""The numbers of arguments of all functions that expressions of a right-hand side may call, but those of the files."""
