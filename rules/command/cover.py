@@ -20,10 +20,13 @@ def call(options: argparse.Namespace) -> int:
     """Run the verb."""
     runs = []
     for folder in options.folders:
-        try:
-            runs.append(rules_of_run(read_journal(folder)))
-        except RecordingError as error:
-            raise RecordingError(str(error) if str(folder) in str(error) else f"{folder}: {error}") from None
+        run = rules_of_run(read_journal(folder))
+        if run is None:
+            sys.stderr.write(f"ski: {folder}: no rules decided in this run; it is left out\n")
+        else:
+            runs.append(run)
+    if not runs:
+        raise RecordingError("no rules decided in any of these runs; name those of missions with [rules]")
     files = coverage(runs)
     if options.json:
         found = [

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from blackboard.errors import RecordingError
 from blackboard.journal import JournalLine
 from blackboard.kinds import FIRING, RULES
 from blackboard.vocabulary import Vocabulary, decode
@@ -48,8 +47,8 @@ class RunRules:
     firings: dict[str, int]
 
 
-def rules_of_run(lines: Iterable[JournalLine]) -> RunRules:
-    """Return the rules of a run and how often they fired. Raises RecordingError where no rules decided."""
+def rules_of_run(lines: Iterable[JournalLine]) -> RunRules | None:
+    """Return the rules of a run and how often they fired; None where no rules decided."""
     places: dict[str, tuple[str, int]] = {}
     firings: dict[str, int] = {}
     seen = ""
@@ -65,9 +64,7 @@ def rules_of_run(lines: Iterable[JournalLine]) -> RunRules:
         elif f"/{FIRING.path}/" in line.key:
             name = decode(FIRING, line.key, bytes(line.value)).rule
             firings[name] = firings.get(name, 0) + 1
-    if not seen:
-        raise RecordingError("no rules decided in this run; its mission has no [rules]")
-    return RunRules(places, firings)
+    return RunRules(places, firings) if seen else None
 
 
 def coverage(runs: Sequence[RunRules]) -> list[FileCount]:
@@ -96,7 +93,7 @@ def told(files: Sequence[FileCount], runs: int) -> Iterable[str]:
     width = max((len(rule.rule) for file in files for rule in file.rules), default=0)
     digits = max((len(f"{rule.firings:,}") for file in files for rule in file.rules), default=1)
     for file in files:
-        yield f"{file.file}: {file.fired} of {len(file.rules)} rules fired, {file.firings:,} times"
+        yield f"{file.file}: {file.fired} of {len(file.rules)} rules fired, {_times(file.firings)}"
         for rule in file.rules:
             less = f"   in force in {rule.runs} of {runs} runs" if rule.runs < runs else ""
             never = "never" if not rule.firings else ""
@@ -104,4 +101,8 @@ def told(files: Sequence[FileCount], runs: int) -> Iterable[str]:
     rules, fired = sum(len(file.rules) for file in files), sum(file.fired for file in files)
     share = f" ({100 * fired / rules:.0f} %)" if rules else ""
     times = sum(file.firings for file in files)
-    yield f"{fired} of {rules} rules fired{share}, {times:,} times in {runs} run{'s' if runs != 1 else ''}"
+    yield f"{fired} of {rules} rules fired{share}, {_times(times)} in {runs} run{'s' if runs != 1 else ''}"
+
+
+def _times(number: int) -> str:
+    return "once" if number == 1 else f"{number:,} times"

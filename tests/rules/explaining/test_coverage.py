@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from blackboard.board import Board
-from blackboard.errors import RecordingError
+from blackboard.command.main import main
 from blackboard.journal import FILE_NAME, JournalWriter, read_journal
 from blackboard.kinds import FIRING, RULES
 from blackboard.messages.control import Firing, RuleFile, RuleFiles
@@ -32,7 +32,7 @@ def test_counts_of_two_runs(tmp_path: Path) -> None:
     both = {"explore.clp": EXPLORE, "traps.clp": TRAPS}
     one = record(tmp_path / "one", both, ["go", "go", "rest"])
     two = record(tmp_path / "two", {"explore.clp": EXPLORE}, ["go"])
-    runs = [rules_of_run(read_journal(folder)) for folder in (one, two)]
+    runs = [run for folder in (one, two) if (run := rules_of_run(read_journal(folder))) is not None]
     explore, traps = coverage(runs)
     assert explore.rules == (
         RuleCount("go", "explore.clp", 1, 3, 2),
@@ -50,7 +50,14 @@ def test_counts_of_two_runs(tmp_path: Path) -> None:
     ]
 
 
-def test_a_run_without_rules(tmp_path: Path) -> None:
-    (tmp_path / FILE_NAME).write_bytes(b"")
-    with pytest.raises(RecordingError, match="no rules decided in this run"):
-        rules_of_run(read_journal(tmp_path))
+def test_a_run_without_rules(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "none").mkdir()
+    (tmp_path / "none" / FILE_NAME).write_bytes(b"")
+    assert rules_of_run(read_journal(tmp_path / "none")) is None
+    one = record(tmp_path / "one", {"explore.clp": EXPLORE}, ["go"])
+    assert main(["rules", "cover", str(one), str(tmp_path / "none")]) == 0
+    said = capsys.readouterr()
+    assert "1 of 2 rules fired (50 %), once in 1 run" in said.out
+    assert "none: no rules decided in this run; it is left out" in said.err
+    assert main(["rules", "cover", str(tmp_path / "none")]) == 2
+    assert "no rules decided in any of these runs" in capsys.readouterr().err
