@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from rules.language.errors import RuleError
 from rules.language.reading.expressions import read_call, read_expression, read_global
-from rules.language.reading.facts import empty, read_fact
+from rules.language.reading.facts import empty, read_fact, read_values
 from rules.language.reading.forms import Form, Node, word
 from rules.language.reading.surroundings import Place, Surroundings
 from rules.language.reading.tokens import Token, TokenKind
@@ -65,7 +65,7 @@ def _read_modify(form: Form, place: Place, known: Surroundings) -> Modify:
         if item.head in slots:
             raise RuleError(f"the slot '{item.head}' stands there twice", item.position)
         slots[item.head] = (item.head, ())
-        values = tuple(read_expression(value, place, known) for value in item.items[1:])
+        values = read_values(item, place, known)
         changes.append((item.head, values or (empty(item.position),)))
     if not changes:
         raise RuleError("(modify ?fact ...) names no slot", form.position)

@@ -3,7 +3,7 @@
 from blackboard.errors import did_you_mean
 from rules.language.errors import RuleError
 from rules.language.reading.expressions import read_expression
-from rules.language.reading.forms import Form, Node, name_of
+from rules.language.reading.forms import Form, Node, name_of, word
 from rules.language.reading.slots import check_one_value, check_single, slots_of
 from rules.language.reading.surroundings import Place, Surroundings
 from rules.language.reading.vocabulary import ARITIES, CONDITION_WORDS, FACT_ACTIONS, HINTS
@@ -29,7 +29,7 @@ def read_fact(node: Node, place: Place, known: Surroundings) -> FactForm:
         for item in node.items[1:]:
             if isinstance(item, Form) and item.head and not _is_function(item.head, known):
                 raise RuleError(no_template(relation, item, known), item.position)
-        fields = tuple(read_expression(item, place, known) for item in node.items[1:])
+        fields = read_values(node, place, known)
         return FactForm(relation, fields, node.position)
     return _template_fact(node, template, place, known)
 
@@ -52,7 +52,7 @@ def _template_fact(form: Form, template: Template, place: Place, known: Surround
     names: list[str] = []
     fields: list[Expression] = []
     for slot, item in slots_of(form.items[1:], template, known):
-        values = read_slot_values(item, place, known)
+        values = read_values(item, place, known)
         check_single(slot, len(values), item.position)
         check_one_value(slot, values)
         values = values or (empty(item.position),)
@@ -61,9 +61,18 @@ def _template_fact(form: Form, template: Template, place: Place, known: Surround
     return FactForm(template.name, tuple(fields), form.position, tuple(names))
 
 
-def read_slot_values(item: Form, place: Place, known: Surroundings) -> tuple[Expression, ...]:
-    """Return what is written behind a slot's name."""
-    return tuple(read_expression(value, place, known) for value in item.items[1:])
+def read_values(form: Form, place: Place, known: Surroundings) -> tuple[Expression, ...]:
+    """Return what is written behind the name of a relation or slot; `=(...)` is the same as `(...)`, as in CLIPS."""
+    values: list[Expression] = []
+    rest = form.items[1:]
+    while rest:
+        node = rest.pop(0)
+        if word(node) == "=":
+            if not rest or not isinstance(rest[0], Form):
+                raise RuleError("'=' must be followed by an expression in brackets: =(...)", node.position)
+            node = rest.pop(0)
+        values.append(read_expression(node, place, known))
+    return tuple(values)
 
 
 def empty(position: Position) -> Expression:

@@ -42,6 +42,8 @@ def name_of(node: Node | None, what: str, after: Position) -> str:
         raise RuleError(f"{what} is missing", after)
     if not word(node):
         raise RuleError(f"{what} must be a symbol (a word without quotation marks)", node.position)
+    if "::" in word(node):
+        raise RuleError(f"'{word(node)}': there are no modules; leave out what stands before the ::", node.position)
     return word(node)
 
 

@@ -52,6 +52,7 @@ def run(actions: str, **variables: Value) -> Memory:
     [
         ("(assert (z ?y $?rest (+ 1 2)))", "(z y 7 8 3)"),
         ("(assert (z))", "(z)"),
+        ("(assert (z =(+ 1 2) a))", "(z 3 a)"),
         ("(assert (t (a ?y)))", '(t (a y) (m) (d "d"))'),
         ("(assert (t (m 1 ?rest 2)))", '(t (a nil) (m 1 7 8 2) (d "d"))'),
         ("(assert (t (m)))", '(t (a nil) (m) (d "d"))'),
