@@ -2,7 +2,8 @@
 
 python benchmarks/exploring.py [--mission M] [--world W ...] [--seeds N] [--duration S] [--reflexes] [--disturbed] [--jobs N]
 
-One row a seed: how the mission ended and when, the share of the reachable floor that the grid decided (docs/outputs.md),
+One row a seed: how the mission ended and when, the share of the reachable floor that the grid decided, as the map lies and
+with the world laid on it (docs/outputs.md),
 contacts that the robot caused, the largest and the last error of its pose, the run's pace (simulated seconds a second of CPU,
 journal written, no pictures). With --reflexes beside each run the same mission without its rules, for the same time: curiosity,
 boundary following and random wander are selected, and nothing decides. With --disturbed a chair is put in the robot's way, a
@@ -46,6 +47,7 @@ class Outcome:
     time_s: float
     seconds: float  # of CPU
     decided_fraction: float
+    aligned_fraction: float  # with the world laid on the map
     collisions: int
     error_max_m: float
     error_last_m: float
@@ -93,6 +95,7 @@ def explore(mission: Mission, duration_s: float, seed: int) -> Outcome:
         time_s=float(truth[-1, 0]),
         seconds=seconds,
         decided_fraction=float(result.table.get("reachable_decided_fraction", 0.0)),
+        aligned_fraction=float(result.table.get("reachable_decided_aligned_fraction", 0.0)),
         collisions=int(result.table["collisions"]),
         error_max_m=float(result.table["pose_error_max_m"]),
         error_last_m=hypot(float(believed[-1, 1]) - x_m, float(believed[-1, 2]) - y_m),
@@ -110,7 +113,7 @@ def explore_twice(mission: Mission, duration_s: float, reflexes: bool, seed: int
 
 
 HEAD = (
-    "seed  ended          time s   decided %  collisions   error m max  last   pace x |  reflexes: decided %  collisions |"
+    "seed  ended          time s   decided %   aligned %  collisions   error m max  last   pace x |  reflexes: decided %  collisions |"
     " stands at"
 )
 
@@ -123,7 +126,8 @@ def row(seed: int, outcome: Outcome, alone: Outcome | None) -> str:
     told = "" if outcome.state == "done" else f"  {outcome.detail}"
     told += f"  {outcome.disturbances}" if outcome.disturbances else ""
     return (
-        f"{seed:4}  {outcome.state:12}{outcome.time_s:9.1f}{100 * outcome.decided_fraction:12.1f}{outcome.collisions:12}"
+        f"{seed:4}  {outcome.state:12}{outcome.time_s:9.1f}{100 * outcome.decided_fraction:12.1f}"
+        f"{100 * outcome.aligned_fraction:12.1f}{outcome.collisions:12}"
         f"{outcome.error_max_m:14.2f}{outcome.error_last_m:6.2f}{outcome.time_s / outcome.seconds:9.0f} |{beside} |"
         f" ({outcome.ends[0]:.1f}, {outcome.ends[1]:.1f}){told}"
     )
@@ -149,8 +153,11 @@ def summary(outcomes: Sequence[tuple[Outcome, Outcome | None]]) -> str:
 
 
 def _shares(runs: Sequence[Outcome]) -> str:
-    shares = [run.decided_fraction for run in runs]
-    return f"median {100 * median(shares):.1f} %, least {100 * min(shares):.1f} %"
+    shares, aligned = [run.decided_fraction for run in runs], [run.aligned_fraction for run in runs]
+    return (
+        f"median {100 * median(shares):.1f} %, least {100 * min(shares):.1f} %"
+        f" (aligned {100 * median(aligned):.1f}, {100 * min(aligned):.1f})"
+    )
 
 
 def main() -> None:

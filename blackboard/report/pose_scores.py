@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from blackboard.messages.geometry import IDENTITY, Pose
 from blackboard.report.result import Trajectory
 from blackboard.uncertainty.chi_square import chi_square_quantile
 
@@ -73,6 +74,23 @@ def pose_errors(path: Trajectory, truth: Trajectory, *, aligned: bool = False) -
     errors = here - there
     errors[:, 2] = np.arctan2(np.sin(errors[:, 2]), np.cos(errors[:, 2]))
     return np.asarray(errors)
+
+
+def fitted_frame(path: Trajectory, truth: Trajectory) -> Pose:
+    """Return map_from_world: the turn and shift that lay the true places best on those of the path, by least squares.
+
+    The identity where they have fewer than two stamps in common. (Horn 1987, in the plane.)
+    """
+    covered = path[(path[:, 0] >= truth[0, 0]) & (path[:, 0] <= truth[-1, 0])]
+    if len(covered) < 2:
+        return IDENTITY
+    here, there = covered[:, 1:3], true_poses(covered[:, 0], truth)[:, :2]
+    middle_here, middle_there = here.mean(axis=0), there.mean(axis=0)
+    a, b = there - middle_there, here - middle_here
+    turn = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
+    c, s = np.cos(turn), np.sin(turn)
+    x, y = middle_here - (c * middle_there[0] - s * middle_there[1], s * middle_there[0] + c * middle_there[1])
+    return Pose(x_m=float(x), y_m=float(y), heading_rad=turn)
 
 
 def path_error(path: Trajectory, truth: Trajectory, *, aligned: bool = False) -> PathError | None:

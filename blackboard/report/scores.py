@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import shapely
+from shapely.affinity import affine_transform
 
 from blackboard.component import WorldTruth
 from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN
-from blackboard.messages.geometry import Pose
+from blackboard.messages.geometry import IDENTITY, Pose
 from blackboard.messages.sensing import RobotDescription
 from blackboard.messages.world import Line
+from blackboard.report.pose_scores import fitted_frame
 from blackboard.report.result import GridView, RunResult, Trajectory, segments
 from blackboard.report.visibility import viewpoints, visible
 from blackboard.report.walls import Segments, free_floor, sample, surface, wall_edges
@@ -116,17 +118,20 @@ def covered(
     return found
 
 
-def area_decided(grid: GridView | None, truth: WorldTruth, place: Pose, radius_m: float = 0.0) -> float:
+def area_decided(
+    grid: GridView | None, truth: WorldTruth, place: Pose, radius_m: float = 0.0, map_from_world: Pose = IDENTITY
+) -> float:
     """Return the fraction of the reachable free floor that the grid decided, by cell centres.
 
-    Reachable is what a disc of `radius_m` can cover on its way from `place` (map frame), whether it could see it or not. 0 where
-    nothing is reachable. The grid is taken as it lies: what drift moved off the floor is not decided.
+    Reachable is what a disc of `radius_m` can cover on its way from `place` (true), whether it could see it or not. 0 where
+    nothing is reachable. `map_from_world` lays the world on the grid: unless given the grid is taken as it lies, and what drift
+    moved off the floor is not decided.
     """
     parts = shapely.get_parts(shapely.buffer(free_floor(truth), -radius_m))
     mine = [part for part in parts if shapely.distance(part, shapely.Point(place.x_m, place.y_m)) <= SURFACE_M]
     if grid is None or not mine:
         return 0.0
-    reachable = shapely.buffer(shapely.union_all(mine), radius_m)
+    reachable = _laid(shapely.buffer(shapely.union_all(mine), radius_m), map_from_world)
     x0, y0, x1, y1 = shapely.bounds(reachable)
     columns = np.arange(np.floor((x0 - grid.x_min_m) / grid.cell_m), np.ceil((x1 - grid.x_min_m) / grid.cell_m))
     rows = np.arange(np.floor((y0 - grid.y_min_m) / grid.cell_m), np.ceil((y1 - grid.y_min_m) / grid.cell_m))
@@ -139,6 +144,11 @@ def area_decided(grid: GridView | None, truth: WorldTruth, place: Pose, radius_m
     values = grid.cells[row[inside], column[inside]]
     decided = int(((values >= OCCUPIED_MIN) | (values <= EMPTY_MAX)).sum())
     return _fraction(decided, len(row)) or 0.0
+
+
+def _laid(geometry: shapely.Geometry, map_from_world: Pose) -> shapely.Geometry:
+    c, s = np.cos(map_from_world.heading_rad), np.sin(map_from_world.heading_rad)
+    return affine_transform(geometry, (c, -s, s, c, map_from_world.x_m, map_from_world.y_m))
 
 
 def sensing_range_m(robot: RobotDescription) -> float:
@@ -158,7 +168,12 @@ def score_table(result: RunResult) -> dict[str, float]:
         if len(path):
             # where it ends, in the world as it is then: a door that was closed for good leaves the side that it is on
             last = Pose(x_m=float(path[-1, 1]), y_m=float(path[-1, 2]), heading_rad=0.0)
-            scores["reachable_decided_fraction"] = area_decided(result.grid, result.truth, last, result.robot.radius_m)
+            radius_m = result.robot.radius_m
+            scores["reachable_decided_fraction"] = area_decided(result.grid, result.truth, last, radius_m)
+            if result.true_trajectory is not None and len(result.trajectory):
+                frame = fitted_frame(result.trajectory, result.true_trajectory)
+                fraction = area_decided(result.grid, result.truth, last, radius_m, frame)
+                scores["reachable_decided_aligned_fraction"] = fraction
     if result.lines:
         lines = line_score([e.value for e in result.lines], result.truth, path, sensing_range_m(result.robot))
         scores["walls_found_fraction"] = lines.found_fraction

@@ -11,9 +11,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from blackboard.messages.geometry import IDENTITY
 from blackboard.mission import find_mission, load_mission
 from blackboard.report.pose_log import PoseLog
-from blackboard.report.pose_scores import BOUND, honesty, nees, path_error, pose_errors, pose_table, true_poses
+from blackboard.report.pose_scores import (
+    BOUND,
+    fitted_frame,
+    honesty,
+    nees,
+    path_error,
+    pose_errors,
+    pose_table,
+    true_poses,
+)
 from blackboard.runner import Run, RunOptions
 
 TRUTH = np.array([[0.0, 1.0, 2.0, 0.0], [10.0, 11.0, 2.0, 0.2]])
@@ -65,6 +75,20 @@ def test_nees_by_hand() -> None:
     assert not told.honest  # 11.06 is beyond 7.81, the 95 % bound of chi-square with 3 degrees of freedom
     assert pytest.approx(7.8147, abs=1e-4) == BOUND
     assert honesty(scores[:0]) is None
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-9, 9), st.floats(-9, 9))
+def test_the_fitted_frame_is_the_one_that_the_path_was_moved_by(turn: float, x: float, y: float) -> None:
+    truth = np.array([[0.0, 1.0, 2.0, 0.0], [4.0, 3.0, -1.0, 0.5], [9.0, 6.0, 4.0, 1.0]])
+    c, s = np.cos(turn), np.sin(turn)
+    moved = truth.copy()
+    moved[:, 1:3] = truth[:, 1:3] @ np.array([[c, s], [-s, c]]) + (x, y)
+    frame = fitted_frame(moved, truth)
+    assert (frame.x_m, frame.y_m, frame.heading_rad) == pytest.approx((x, y, turn), abs=1e-9)
+
+
+def test_two_paths_with_less_than_two_stamps_in_common_are_not_fitted() -> None:
+    assert fitted_frame(TRUTH[:1], TRUTH) == IDENTITY
 
 
 def test_a_covariance_that_is_none_is_no_excuse() -> None:

@@ -123,6 +123,8 @@ def test_half_a_room_decided_is_a_half(make_grid, box_truth):
     assert area_decided(grid, box_truth, START) == pytest.approx(6.0 / 11.4, abs=1e-3)
     assert area_decided(make_grid(np.zeros((60, 80))), box_truth, START) == 1.0
     assert area_decided(make_grid(np.zeros((10, 10)), 30.0, 30.0), box_truth, START) == 0.0
+    moved = Pose(x_m=30.0, y_m=30.0, heading_rad=0.0)
+    assert area_decided(make_grid(np.zeros((60, 80)), 30.0, 30.0), box_truth, START, map_from_world=moved) == 1.0
     assert area_decided(None, box_truth, START) == 0.0
 
 
