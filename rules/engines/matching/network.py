@@ -85,7 +85,7 @@ class Network:
             elif isinstance(part, Test):
                 memory = self._filter(memory, [part], bound, wanted=True)
             else:
-                memory = self._group(memory, part, bound, level)
+                memory = self._group(memory, part, bound, level, _tests(row[at:]))
         return memory, bound, level
 
     def _join(
@@ -110,11 +110,15 @@ class Network:
             after[match.binding] = TokenPlace(level, Place(None))
         return node, after
 
-    def _one_fact(self, memory: Memory, match: Match, tests: Sequence[Test], bound: Bound, wanted: bool) -> Memory:
+    def _one_fact(
+        self, memory: Memory, match: Match, tests: Sequence[Test], bound: Bound, wanted: bool, after: Sequence[Test]
+    ) -> Memory:
+        """Return the node of `not` or `exists` over one pattern; as in CLIPS, it is not shared with one that no test follows."""
         made = matching(match.pattern, bound, self.templates, self.compiler)
         checks, specs = self._checks(tests, {**bound, **made.binds}, made.tests, made.test_specs)
+        followed = self._checks(after, bound, [], [])[1]
         alpha = self.relations.memory(made)
-        spec = (id(memory), "one fact", wanted, id(alpha), tuple(made.keys), specs)
+        spec = (id(memory), "one fact", wanted, id(alpha), tuple(made.keys), specs, followed)
         node = self.shared.get(spec)
         if node is None:
             resting = Index(identities(tuple(there for _, there in made.keys)))
@@ -145,14 +149,14 @@ class Network:
         memory.successors.insert(0, node)
         return self._new(spec, node)
 
-    def _group(self, memory: Memory, group: Group, bound: Bound, level: int) -> Memory:
+    def _group(self, memory: Memory, group: Group, bound: Bound, level: int, after: Sequence[Test]) -> Memory:
         if len(group.branches) == 1:
             first, *rest = group.branches[0]
             tests = _tests(rest)
             if isinstance(first, Test) and len(tests) == len(rest):
                 return self._filter(memory, [first, *tests], bound, group.wanted)
             if isinstance(first, Match) and len(tests) == len(rest):
-                return self._one_fact(memory, first, tests, bound, group.wanted)
+                return self._one_fact(memory, first, tests, bound, group.wanted, after)
         node = GroupNode(self.settling, group.wanted)
         memory.successors.insert(0, node)
         self.memories += [node, node.passed]
