@@ -13,7 +13,7 @@ import msgspec
 from blackboard.entry import Entry
 from blackboard.errors import BoardError, MessageError, RecordingError
 from blackboard.journal import JournalLine
-from blackboard.kinds import FACT, FIRING, RULES
+from blackboard.kinds import COMPONENT, FACT, FIRING, RULES
 from blackboard.messages.control import Fact, Firing, RuleFiles
 from blackboard.vocabulary import Vocabulary, decode
 from rules.language.actions import ActionCompiler
@@ -43,6 +43,7 @@ class Situation:
     facts: dict[int, FactValue]
     firings: tuple[FiringThen, ...]  # of all rules, until then
     unread: int = 0
+    failure: str = ""  # of the planning module as a whole: then no rule fires any more
 
 
 def situation(lines: Iterable[JournalLine], at_s: float | None = None) -> Situation:
@@ -81,7 +82,13 @@ def situation(lines: Iterable[JournalLine], at_s: float | None = None) -> Situat
     ]
     clock = [FactValue(CLOCK.name, (stamp_s,), ("time-s",))] if CLOCK.name in used else []
     facts = dict(enumerate([*clock, *(fact for fact in found if fact is not None), *asserted], 1))
-    return Situation(stamp_s, program, facts, tuple(firings), unread)
+    failed = [
+        decode(COMPONENT, line.key, bytes(line.value))
+        for line, kind in newest.values()
+        if kind is COMPONENT and line.source == rules[0].source
+    ]
+    failure = next((status.error for status in failed if status.state == "failed"), "")
+    return Situation(stamp_s, program, facts, tuple(firings), unread, failure)
 
 
 def read_rules(files: RuleFiles, asserted: Iterable[Fact]) -> tuple[Program, list[FactValue], int]:

@@ -18,6 +18,8 @@ def told(verdict: Verdict, then: Situation) -> Iterator[str]:
     rule = verdict.rule
     doc = f": {rule.doc}" if rule.doc else ""
     yield f"{rule.name} ({rule.position.file}:{rule.position.line}){doc}"
+    if then.failure:
+        yield f"  The planning module had failed, so no rule fired any more: {then.failure}"
     if verdict.obstacle is None:
         yield from _could_fire(verdict, then)
     else:
@@ -59,7 +61,7 @@ def _where_from(obstacle: Obstacle, program: Program) -> Iterator[str]:
     if (pattern := obstacle.pattern) is None:
         return
     relation = pattern.relation
-    makers = [rule.name for rule in program.rules if any(_fits(form, pattern) for form in _asserted(rule.actions))]
+    makers = [rule.name for rule in program.rules if any(_fits(form, pattern) for form in asserted_forms(rule.actions))]
     if makers:
         more = f" and {len(makers) - RULES_SHOWN} more" if len(makers) > RULES_SHOWN else ""
         yield f"what would match is asserted by {', '.join(makers[:RULES_SHOWN])}{more}"
@@ -69,12 +71,13 @@ def _where_from(obstacle: Obstacle, program: Program) -> Iterator[str]:
         yield f"({relation} ...) is an entry of {kinds[relation].path} on the board"
 
 
-def _asserted(actions: tuple[Action, ...]) -> Iterator[FactForm]:
+def asserted_forms(actions: tuple[Action, ...]) -> Iterator[FactForm]:
+    """Yield the facts that actions assert, whatever way their `if`s go."""
     for action in actions:
         if isinstance(action, Assert):
             yield from action.facts
         elif isinstance(action, If):
-            yield from _asserted((*action.then, *action.otherwise))
+            yield from asserted_forms((*action.then, *action.otherwise))
 
 
 def _fits(form: FactForm, pattern: Pattern) -> bool:
@@ -96,11 +99,12 @@ def _fits(form: FactForm, pattern: Pattern) -> bool:
 
 
 def _history(rule: Rule, then: Situation) -> str:
-    stamps = [firing.stamp_s for firing in then.firings if firing.value.rule == rule.name]
-    if not stamps:
+    fired = [firing for firing in then.firings if firing.value.rule == rule.name]
+    if not fired:
         return "It had never fired until then."
-    times = "once" if len(stamps) == 1 else f"{len(stamps)} times"
-    return f"It had fired {times} until then, the last time at {stamps[-1]:.2f} s."
+    times = "once" if len(fired) == 1 else f"{len(fired)} times"
+    failed = f", and failed: {fired[-1].value.error}" if fired[-1].value.error else ""
+    return f"It had fired {times} until then, the last time at {fired[-1].stamp_s:.2f} s{failed}."
 
 
 def _facts(way: Way, facts: Mapping[int, FactValue]) -> str:

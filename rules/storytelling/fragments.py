@@ -3,7 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from blackboard.errors import did_you_mean
 from rules.explaining.matching import Matcher
+from rules.explaining.told import asserted_forms
 from rules.language.actions import ActionCompiler
 from rules.language.errors import RuleError, RuleErrors
 from rules.language.evaluation import evaluate
@@ -12,6 +14,7 @@ from rules.language.reader import read_texts
 from rules.language.syntax import FactForm, Match, Modify, Pattern, Program, Template
 from rules.language.values import FactValue, Value
 from rules.storytelling.story_file import Said, Story
+from rules.working_memory import slots_looked_at
 
 MARK = "story-told-"  # begins the names of what a story is read as
 
@@ -95,13 +98,34 @@ def read_fragments(story: Story, texts: Mapping[str, str], templates: Sequence[T
         functions=program.functions,
         rules=tuple(one for one in program.rules if not one.name.startswith(MARK)),
     )
+    facts = {said: fact_of(said) for said in asserted}
+    told = {said: pattern_of(said) for said in patterns}
+    _refuse_unheard(story, own, told, {fact.relation for fact in facts.values()})
     return Fragments(
         program=own,
-        facts={said: fact_of(said) for said in asserted},
+        facts=facts,
         entries={said: entry_of(said) for said in entries},
-        patterns={said: pattern_of(said) for said in patterns},
+        patterns=told,
         changes={said: change_of(said) for said in changes},
     )
+
+
+def _refuse_unheard(story: Story, program: Program, patterns: Mapping[Said, Pattern], facts: set[str]) -> None:
+    """Refuse names that nothing knows: what must not happen never would, and the story could not fail."""
+    rules = {rule.name for rule in program.rules}
+    relations = facts | {one.name for one in program.templates} | set(slots_looked_at(program))
+    relations |= {form.relation for one in program.deffacts for form in one.facts}
+    relations |= {form.relation for rule in program.rules for form in asserted_forms(rule.actions)}
+    for step in story.steps:
+        for said in (*step.fires, *step.fires_not):
+            if said.text not in rules:
+                hint = did_you_mean(said.text, rules)
+                raise RuleError(f"{story.path}:{said.line}: there is no rule '{said.text}'{hint}")
+        for said in step.expect_not:
+            relation = patterns[said].relation
+            if relation not in relations:
+                hint = did_you_mean(relation, relations)
+                raise RuleError(f"{story.path}:{said.line}: nothing speaks of ({relation} ...){hint}")
 
 
 def _read(file: str, texts: Mapping[str, str], forms: Mapping[Said, str], templates: Sequence[Template]) -> Program:

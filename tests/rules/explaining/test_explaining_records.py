@@ -8,8 +8,8 @@ import pytest
 from blackboard.board import Board
 from blackboard.errors import RecordingError
 from blackboard.journal import FILE_NAME, JournalWriter, read_journal
-from blackboard.kinds import FACT, FIRING, RULES, TRAVEL
-from blackboard.messages.control import Fact, Firing, RuleFile, RuleFiles
+from blackboard.kinds import COMPONENT, FACT, FIRING, RULES, TRAVEL
+from blackboard.messages.control import ComponentStatus, Fact, Firing, RuleFile, RuleFiles
 from blackboard.messages.geometry import Point
 from blackboard.messages.routes import Travel
 from blackboard.mission import find_mission, load_mission
@@ -106,6 +106,21 @@ def test_a_rule_that_could_fire(folder: Path) -> None:
     assert lines[1] == "  At 2.5 s it could fire: all its conditions hold."
     assert lines[2].startswith("    (mode choose) (clock (time-s 2.5)) (travel (id frontier-1)")
     assert lines[3] == "  It waits for its turn: the facts are newer than the last firing, or a rule said halt."
+
+
+def test_failures_are_told(folder: Path) -> None:
+    board = Board(Vocabulary(), robot="k2a")
+    lines = list(read_journal(folder))
+    with JournalWriter(folder / "more") as journal:
+        board.journal = journal
+        board.now_s = 9.0
+        failed = Firing(rule="nearest-target-go", number=2, error="there is no behaviour 'x'")
+        board.post(FIRING, failed, id="nearest-target-go", source="planner")
+        board.post(COMPONENT, ComponentStatus(state="failed", error="it broke"), id="planner", source="planner")
+    then = situation([*lines, *read_journal(folder / "more")])
+    said = list(told(why_not(then.program, then.program.rules[0], then.facts), then))
+    assert said[1] == "  The planning module had failed, so no rule fired any more: it broke"
+    assert said[-1].endswith("the last time at 9.00 s, and failed: there is no behaviour 'x'.")
 
 
 def test_working_memory_is_that_of_the_planning_module(tmp_path: Path) -> None:

@@ -27,6 +27,8 @@ from rules.storytelling.telling import tell
         ("[[step]]\nentries = '(goal (target a))'\n", r"story\.toml:2: .* is no entry of the board; put it under `assert`"),
         ("[[step]]\nentries = '(travel (state reachable))'\n", r"story\.toml:2: 'travel' needs \(id \.\.\.\)"),
         ("[[step]]\nentries = '(travel (id a) (state far))'\n", r"story\.toml:2: 'travel': .*far"),
+        ("[[step]]\nfires_not = 'first-wonder'\n", r":2: there is no rule 'first-wonder'; did you mean 'first-wander'\?"),
+        ("[[step]]\nexpect_not = '(moed go)'\n", r"story\.toml:2: nothing speaks of \(moed \.\.\.\); did you mean 'mode'\?"),
         ("[[step]]\nretract = '(mode go)'\n", r"story\.toml:2: no fact matches this"),
         ("[[step]]\ngone = '(travel (id a))'\n", r"story\.toml:2: gone: no entry matches this"),
         ("[[step]]\nmodify = '(goal (target a))'\n", r"story\.toml:2: modify: write a pattern and then the slots"),
