@@ -113,7 +113,8 @@ def explore_twice(mission: Mission, duration_s: float, reflexes: bool, seed: int
 
 
 HEAD = (
-    "seed  ended          time s   decided %   aligned %  collisions   error m max  last   pace x |  reflexes: decided %  collisions |"
+    "seed  ended          time s   decided %   aligned %  collisions   error m max  last   pace x |"
+    "  reflexes: decided %  collisions |"
     " stands at"
 )
 

@@ -156,6 +156,7 @@ def test_the_table_rows_come_with_truth_only(result):
     assert set(rows) == {
         "grid_right_fraction",
         "reachable_decided_fraction",
+        "reachable_decided_aligned_fraction",
         "walls_found_fraction",
         "lines_spurious_fraction",
     }
