@@ -21,6 +21,8 @@ from rules.planning import PlanningParams
 from rules.rule_files import find_rule_file
 
 EXIT_ERROR = 2
+ELSEWHERE = ("is its deftemplate missing?", "there is no function", "there is no global", "nothing asserts")
+ELSEWHERE_HINT = "What other files define is known where they are named too, or the mission that names them all.\n"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +41,6 @@ def call(options: argparse.Namespace) -> int:
     """Run the verb."""
     found: list[Finding] = []
     files: list[Path] = []
-    number = 0
     for paths, board in _programs(options.what):
         files += [path for path in paths if path not in files]
         try:
@@ -47,7 +48,6 @@ def call(options: argparse.Namespace) -> int:
         except RuleErrors as errors:
             found += [_of_error(error) for error in errors.errors]
             continue
-        number = number + len(program.rules)
         found += findings(program, board)
     found = list(dict.fromkeys(found))
     errors_found = sum(finding.is_error for finding in found)
@@ -56,6 +56,8 @@ def call(options: argparse.Namespace) -> int:
     else:
         for finding in found:
             sys.stdout.write(f"{finding}\n")
+        if any(sign in finding.text for finding in found for sign in ELSEWHERE):
+            sys.stdout.write(ELSEWHERE_HINT)
         warnings = len(found) - errors_found
         sys.stdout.write(
             f"{_many(len(files), 'file')}: {_many(errors_found, 'error')}, {_many(warnings, 'warning')}.\n"

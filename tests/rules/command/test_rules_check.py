@@ -7,6 +7,7 @@ import pytest
 
 from blackboard.command.main import main
 from blackboard.vocabulary import Vocabulary
+from rules.command.check import ELSEWHERE_HINT
 from rules.language.reader import read_text
 from rules.language.templates import planning_templates
 
@@ -75,3 +76,10 @@ def test_templates_are_printed_as_deftemplates_that_can_be_read(capsys: pytest.C
 def test_an_unknown_template_is_told_with_the_nearest_name(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["rules", "templates", "targt"]) == 2
     assert capsys.readouterr().err == "ski: there is no template 'targt'; did you mean 'target'?\n"
+
+
+def test_a_file_that_needs_others_is_told_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["rules", "check", "traps"]) == 2
+    assert ELSEWHERE_HINT in capsys.readouterr().out
+    assert main(["rules", "check", "arbitration", "explore", "traps"]) == 0
+    assert ELSEWHERE_HINT not in capsys.readouterr().out
