@@ -1,13 +1,14 @@
 """Which rules fired how often in some runs, and which never did."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from blackboard.journal import JournalLine
 from blackboard.kinds import FIRING, RULES
-from blackboard.vocabulary import Vocabulary, decode
-from rules.language.reader import read_texts
-from rules.language.templates import planning_templates
+from blackboard.vocabulary import decode
+from rules.language.reading.constructs import named
+from rules.language.reading.forms import top_forms
+from rules.language.reading.tokens import tokens
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,19 +53,25 @@ def rules_of_run(lines: Iterable[JournalLine]) -> RunRules | None:
     places: dict[str, tuple[str, int]] = {}
     firings: dict[str, int] = {}
     seen = ""
-    templates = planning_templates(Vocabulary())
     for line in lines:
         if line.event == "retracted":
             continue
         if line.key.endswith(f"/{RULES.path}"):
             seen = line.key
             files = decode(RULES, line.key, bytes(line.value))
-            program = read_texts({file.name: file.text for file in files.files}, templates)
-            places |= {rule.name: (rule.position.file, rule.position.line) for rule in program.rules}
+            for file in files.files:
+                places |= {name: (file.name, line_number) for name, line_number in rules_in(file.text, file.name)}
         elif f"/{FIRING.path}/" in line.key:
             name = decode(FIRING, line.key, bytes(line.value)).rule
             firings[name] = firings.get(name, 0) + 1
     return RunRules(places, firings) if seen else None
+
+
+def rules_in(text: str, file: str) -> Iterator[tuple[str, int]]:
+    """Yield the names of the rules in a rule file with their lines; what they speak of need not be known."""
+    for form in top_forms(tokens(text, file, []), []):
+        if form.head == "defrule":
+            yield named(form)[0], form.position.line
 
 
 def coverage(runs: Sequence[RunRules]) -> list[FileCount]:

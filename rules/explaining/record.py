@@ -46,9 +46,14 @@ class Situation:
     failure: str = ""  # of the planning module as a whole: then no rule fires any more
 
 
-def situation(lines: Iterable[JournalLine], at_s: float | None = None) -> Situation:
-    """Return what rules had before them at `at_s`, or at the end. Raises RecordingError where no rules decided by then."""
-    vocabulary = Vocabulary()
+def situation(
+    lines: Iterable[JournalLine], at_s: float | None = None, vocabulary: Vocabulary | None = None
+) -> Situation:
+    """Return what rules had before them at `at_s`, or at the end; `vocabulary` is the mission's, where it has kinds of its own.
+
+    Raises RecordingError where no rules decided by then.
+    """
+    vocabulary = vocabulary or Vocabulary()
     newest: dict[str, tuple[JournalLine, Any]] = {}  # by key, with its kind
     firings: list[FiringThen] = []
     latest_s = 0.0
@@ -72,7 +77,9 @@ def situation(lines: Iterable[JournalLine], at_s: float | None = None) -> Situat
     files = decode(RULES, rules[0].key, bytes(rules[0].value))
     stamp_s = latest_s if at_s is None else at_s
     told = {key: line for key, (line, kind) in newest.items() if kind is FACT}
-    program, asserted, unread = read_rules(files, [decode(FACT, key, bytes(line.value)) for key, line in told.items()])
+    program, asserted, unread = read_rules(
+        files, [decode(FACT, key, bytes(line.value)) for key, line in told.items()], vocabulary
+    )
     templates = kind_templates(vocabulary)
     used = {template.name for template in program.templates if template.position is None}
     found = [
@@ -91,9 +98,11 @@ def situation(lines: Iterable[JournalLine], at_s: float | None = None) -> Situat
     return Situation(stamp_s, program, facts, tuple(firings), unread, failure)
 
 
-def read_rules(files: RuleFiles, asserted: Iterable[Fact]) -> tuple[Program, list[FactValue], int]:
+def read_rules(
+    files: RuleFiles, asserted: Iterable[Fact], vocabulary: Vocabulary
+) -> tuple[Program, list[FactValue], int]:
     """Return the program of these files, facts read back from their texts, and how many could not be read."""
-    templates = planning_templates(Vocabulary())
+    templates = planning_templates(vocabulary)
     texts = {file.name: file.text for file in files.files}
 
     def read(facts: Iterable[str]) -> Program:
@@ -104,7 +113,11 @@ def read_rules(files: RuleFiles, asserted: Iterable[Fact]) -> tuple[Program, lis
     try:
         program = read(told)
     except RuleErrors:
-        read(())  # the files themselves must be sound
+        try:
+            read(())  # the files themselves must be sound
+        except RuleErrors as error:
+            text = f"{error}; where the mission has kinds of its own, name it: --mission FILE"
+            raise RecordingError(text) from None
         readable = [fact for fact in told if _reads(read, fact)]
         program = read(readable)
     compiler = ActionCompiler(program, {})

@@ -8,7 +8,8 @@ import pytest
 from blackboard.board import Board
 from blackboard.errors import RecordingError
 from blackboard.journal import FILE_NAME, JournalWriter, read_journal
-from blackboard.kinds import COMPONENT, FACT, FIRING, RULES, TRAVEL
+from blackboard.kinds import COMPONENT, FACT, FIRING, RULES, TRAVEL, slot
+from blackboard.messages.base import Message
 from blackboard.messages.control import ComponentStatus, Fact, Firing, RuleFile, RuleFiles
 from blackboard.messages.geometry import Point
 from blackboard.messages.routes import Travel
@@ -153,6 +154,28 @@ def test_as_data(folder: Path) -> None:
     assert data["fired"] == [3.0]
     assert data["obstacle"]["condition"] == 4
     assert data["obstacle"]["reasons"] == ["there is (given-up frontier-1)"]
+
+
+class Mug(Message, frozen=True, kw_only=True):
+    size_m: float
+
+
+def test_rules_about_kinds_of_a_missions_own(tmp_path: Path) -> None:
+    mug = slot("hypotheses/symbol/mug", Mug, "a mug")
+    vocabulary = Vocabulary([mug])
+    board = Board(vocabulary)
+    with JournalWriter(tmp_path / FILE_NAME) as journal:
+        board.journal = journal
+        text = "(defrule mug-large (mug (size-m ?s&:(> ?s 1.0))) => (assert (large)))"
+        files = RuleFiles(engine="experta", files=(RuleFile(name="mug.clp", text=text),))
+        board.post(RULES, files, source="planner")
+        board.post(mug, Mug(size_m=0.5), source="mugs")
+    then = situation(read_journal(tmp_path), vocabulary=vocabulary)
+    obstacle = why_not(then.program, then.program.rules[0], then.facts).obstacle
+    assert obstacle is not None
+    assert obstacle.reasons == ("(mug (size-m 0.5)): size-m is 0.5, wanted ?s&:(> ?s 1.0)",)
+    with pytest.raises(RecordingError, match="where the mission has kinds of its own, name it: --mission FILE"):
+        situation(read_journal(tmp_path))
 
 
 def test_a_run_without_rules(tmp_path: Path) -> None:
