@@ -15,15 +15,20 @@ from rules.engines.clips_facts import ClipsFacts
 from rules.engines.clips_limits import refuse_crashing
 from rules.engines.clips_values import check_readable, from_clips, to_clips
 from rules.engines.engine import Activation, Engine, External, Firing, told
+from rules.engines.matching.disjuncts import Part, disjuncts
 from rules.language.actions import ActionCompiler
 from rules.language.errors import RuleError
-from rules.language.syntax import Action, Assert, If, Modify, Program, Retract
+from rules.language.syntax import Action, Assert, If, Match, Modify, Program, Retract, Test
 from rules.language.values import FactAddress, FactValue, Value
 from rules.language.writing import written_constructs
 
 HALT = "halt"
 PREFIX = "ski-external-"
-MATCHING_CODES = ("[DRIVE1]", "[FACTMCH1]")  # of a condition that could not be evaluated: no fault of the firing
+NO_FAULTS = (
+    "[DRIVE1]",  # a condition could not be evaluated: it does not match
+    "[FACTMCH1]",
+    "[PRNTUTIL11]",  # a fact was retracted already: nothing is done
+)
 
 
 class _Output(Router):  # type: ignore[misc]
@@ -68,6 +73,7 @@ class ClipsEngine(Engine):
                 raise RuleError(f"CLIPS refuses this: {self._fault()}", position) from None
         slots = {template.name: tuple(slot.name for slot in template.slots) for template in program.templates}
         self._facts = ClipsFacts(self._clips, slots)
+        self._shapes = {rule.name: [_shape(row) for row in disjuncts(rule.conditions)] for rule in program.rules}
         self._changing = {rule.name for rule in program.rules if _kinds(rule.actions) & {Assert, Retract, Modify}}
 
     def _halt(self) -> clips.Symbol:
@@ -107,7 +113,7 @@ class ClipsEngine(Engine):
         return dict(self._facts.values)
 
     def agenda(self) -> Sequence[Activation]:
-        return [_activation(waiting) for waiting in self._clips.activations()]
+        return [self._activation(waiting) for waiting in self._clips.activations()]
 
     def drop(self, activation: Activation) -> None:
         waiting = next(self._wanted(activation), None)
@@ -125,7 +131,7 @@ class ClipsEngine(Engine):
         waiting = None if self._halted else next(self._wanted(activation), None)
         if waiting is None:
             return None
-        fired = _activation(waiting)
+        fired = self._activation(waiting)
         if activation is not None:
             waiting.salience = 10_000
             self._clips.reorder()
@@ -138,13 +144,28 @@ class ClipsEngine(Engine):
         error = None
         if self._raised is not None:
             error = told(self._raised)
-        elif fault and ("[PRCCODE4]" in fault or not any(code in fault for code in MATCHING_CODES)):
+        elif fault and ("[PRCCODE4]" in fault or not any(code in fault for code in NO_FAULTS)):
             error = " ".join(fault.partition("[PRCCODE4]")[0].split())
         changes = self._facts.look(named) if fired.rule in self._changing else ()
         return Firing(fired, changes, self._output.taken("stdout"), error)
 
     def _wanted(self, activation: Activation | None) -> Any:
-        return (one for one in self._clips.activations() if activation is None or _activation(one) == activation)
+        return (one for one in self._clips.activations() if activation is None or self._activation(one) == activation)
+
+    def _activation(self, waiting: Any) -> Activation:
+        """Read an activation as CLIPS prints it: `10 rule: f-1,*,f-3`.
+
+        CLIPS puts `*` for some tests too and for what it makes of `or` and `exists`: what is in question are our conditions.
+        """
+        salience, _, rest = str(waiting).partition(" ")
+        written = rest[len(waiting.name) + 1 :].split(",")
+        indices = [int(one.strip()[2:]) for one in written if one.strip().startswith("f-")]
+        relations = [self._facts.values[index].relation for index in indices]
+        shapes = self._shapes[waiting.name]
+        shape = next(one for one in shapes if [relation for relation in one if relation is not None] == relations)
+        matched = iter(indices)
+        facts = tuple(None if relation is None else next(matched) for relation in shape)
+        return Activation(waiting.name, facts, int(salience))
 
     def _named(self, fired: Activation) -> list[int]:
         """Return the indices of the facts that the actions of a rule can name."""
@@ -174,12 +195,9 @@ class ClipsEngine(Engine):
         self._clips = None
 
 
-def _activation(waiting: Any) -> Activation:
-    """Read an activation as CLIPS prints it: `10 rule: f-1,*,f-3`."""
-    salience, _, rest = str(waiting).partition(" ")
-    facts = rest[len(waiting.name) + 1 :].strip()
-    indices = tuple(int(one[2:]) if one.startswith("f-") else None for one in facts.split(",") if one)
-    return Activation(waiting.name, indices, int(salience))
+def _shape(row: Sequence[Part]) -> list[str | None]:
+    """Return the relation that each condition matches; None for those that match no one fact."""
+    return [part.pattern.relation if isinstance(part, Match) else None for part in row if not isinstance(part, Test)]
 
 
 def _kinds(actions: Sequence[Action]) -> set[type]:

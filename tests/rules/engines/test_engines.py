@@ -163,6 +163,17 @@ def test_not_and_exists_look_at_outer_variables_and_tests(started: Start) -> Non
     assert [(one.rule, one.facts) for one in engine.agenda()] == [("largest", (2, None))]
 
 
+def test_the_facts_of_an_activation_are_told_condition_by_condition(started: Start) -> None:
+    engine = started(
+        """
+        (defrule late (test (> 2 1)) (not (c ?)) (or (a ?x) (exists (b ?) (b 2))) (test (> 3 2)) (not (and (c ?) (d ?))) (e) =>)
+        """
+    )
+    for one in (fact("a", 1), fact("b", 2), fact("e")):
+        engine.assert_fact(one)
+    assert {one.facts for one in engine.agenda()} == {(None, 1, None, 3), (None, None, None, 3)}
+
+
 def test_or_is_a_rule_for_each_way(started: Start) -> None:
     engine = started("(defrule either (or (a ?x) (b ?x)) (not (c ?x)) (not (d ?x)) =>)")
     for one in (fact("a", 1), fact("b", 1), fact("b", 2), fact("d", 2)):
