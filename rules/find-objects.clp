@@ -6,6 +6,10 @@
 (defglobal ?*into-corner-m* = 0.8)  ; the middle of what is looked at: a drum of 0.3 m radius fills a corner so far
 (defglobal ?*stand-off-m* = 1.5)    ; from there a corner is in the camera's view, and near
 (defglobal ?*same-corner-m* = 0.8)  ; corners nearer to each other are one: lines move a little
+(defglobal ?*much-nearer* = 0.5)    ; what is on the way, at less than so much of the length, is not passed by
+(defglobal ?*good-look-m* = 2.2)    ; into a corner from so near, with a way there of no more than
+(defglobal ?*way-there-m* = 3.0)    ; so much, that is with no wall between,
+(defglobal ?*ahead* = 0.93)         ; and within 21 degrees of straight ahead (the cosine), shows what stands there
 (defglobal ?*all-round-rad* = 6.3)  ; a whole turn
 (defglobal ?*spell-s* = 20.0)       ; so long it wanders before it looks around, once all is explored
 (defglobal ?*search-spells* = 40)   ; and so often, before it gives up
@@ -56,6 +60,17 @@
   =>
   (assert (given-up ?target)))
 
+(defrule corner-is-seen "The camera has had a good look into it"
+  (declare (salience ?*note*))
+  ?seen <- (target (id ?target) (reason corner) (place-x-m ?x) (place-y-m ?y))
+  (travel (id ?target) (state reachable) (length-m ?way&:(< ?way ?*way-there-m*)))
+  (pose-estimate (map-from-robot-x-m ?rx) (map-from-robot-y-m ?ry) (map-from-robot-heading-rad ?heading))
+  (test (< (apart-m ?x ?y ?rx ?ry) ?*good-look-m*))
+  (test (> (+ (* (cos ?heading) (- ?x ?rx)) (* (sin ?heading) (- ?y ?ry))) (* ?*ahead* (apart-m ?x ?y ?rx ?ry))))
+  =>
+  (assert (given-up ?target))
+  (retract-entry ?seen))
+
 (defrule suspect-is-settled "It is one, or was none"
   (declare (salience ?*note*))
   (suspect-noted ?id)
@@ -81,23 +96,25 @@
 
 ; What to do next
 
-(defrule suspect-first-go "What looks like one comes before all else, the nearest first"
+(defrule suspect-first-go "What looks like one comes first, the nearest of them, unless something else lies much nearer"
   (declare (salience ?*suspects-first*))
   ?mode <- (mode choose)
   (candidate (target ?target) (length-m ?length) (x-m ?x) (y-m ?y))
   (target (id ?target) (reason object))
   (not (and (candidate (target ?other) (length-m ?shorter&:(< ?shorter ?length))) (target (id ?other) (reason object))))
+  (not (candidate (length-m ?near&:(< ?near (* ?*much-nearer* ?length)))))
   ?spells <- (quiet-spells ?)
   =>
   (retract ?mode ?spells)
   (assert (mode go) (goal (target ?target) (x-m ?x) (y-m ?y) (length-m ?length) (since-s (now))) (quiet-spells 0)))
 
-(defrule corner-first-go "Then where it usually stands, the nearest first"
+(defrule corner-first-go "Then where it usually stands, likewise"
   (declare (salience ?*corners-next*))
   ?mode <- (mode choose)
   (candidate (target ?target) (length-m ?length) (x-m ?x) (y-m ?y))
   (target (id ?target) (reason corner))
   (not (and (candidate (target ?other) (length-m ?shorter&:(< ?shorter ?length))) (target (id ?other) (reason corner))))
+  (not (candidate (length-m ?near&:(< ?near (* ?*much-nearer* ?length)))))
   ?spells <- (quiet-spells ?)
   =>
   (retract ?mode ?spells)
