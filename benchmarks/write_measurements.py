@@ -134,6 +134,7 @@ BENCHMARKS = (
         "One fact changed and all rules fired, the median; experta is our engine on it, clipspy is without ours.",
         ("rule_engine.py",),
     ),
+    ("Rules changed under way", "Every five seconds one of the files is changed.", ("reload.py",)),
     ("The rule engines' memory", "", ("rule_engine.py", "--memory")),
     ("The rule engines in lockstep", "Random programs on experta and on CLIPS.", ("lockstep.py", "--programs", "1000")),
     ("A scan into the grid", "", ("grid_speed.py",)),
