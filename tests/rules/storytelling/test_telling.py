@@ -1,5 +1,6 @@
 """Stories told to an engine: what happens in a step, and how a difference is told."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -170,3 +171,21 @@ fires_not = "arrived"
 """
     )
     assert told(tmp_path, text).failures == ()
+
+
+def test_told_in_full_and_as_data(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    told(tmp_path, FIRST + 'expect = "(mode go)"\n')
+    path = str(tmp_path / "story.toml")
+    assert main(["rules", "test", path, "--verbose"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "story.toml: story: 1 steps, 1 expectations",
+        "  two targets at 1 s",
+        "    choose: select path_following on with 2.5, 0.5",
+        "1 of 1 stories are as told",
+    ]
+    assert main(["rules", "test", path, "--json"]) == 0
+    (data,) = json.loads(capsys.readouterr().out)
+    assert (data["as_told"], data["failures"]) == (True, [])
+    assert data["steps"] == [
+        {"say": "two targets", "fired": ["choose"], "did": ["select path_following on with 2.5, 0.5"]}
+    ]
