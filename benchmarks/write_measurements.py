@@ -137,6 +137,7 @@ BENCHMARKS = (
     ("Rules changed under way", "Every five seconds one of the files is changed.", ("reload.py",)),
     ("The rule engines' memory", "", ("rule_engine.py", "--memory")),
     ("The rule engines in lockstep", "Random programs on experta and on CLIPS.", ("lockstep.py", "--programs", "1000")),
+    ("Ways over the grid", "", ("routes.py",)),
     ("A scan into the grid", "", ("grid_speed.py",)),
     ("A post", "On the local link, validated.", ("board_speed.py",)),
     ("Start", "", ("start_up.py",)),

@@ -55,7 +55,9 @@ class FrontierTargetsParams:
     reach_radii: float = 0.5  # from the robot's rim to the frontier: what it cannot come near it cannot cover either
     depth_cells: int = 3  # of unknown cells behind the frontier: thinner strips are a wall's blurred front
     theory: Theory = "endorsements"  # that weighs the reasons
-    same_m: float = 0.5  # a frontier whose centre moves by less is the same
+    same_m: float = (
+        0.5  # a frontier whose centre has moved by more since it was first seen is another: the robot has shifted it
+    )
 
     def __post_init__(self) -> None:
         require(0.0 <= self.interval_s <= 3600.0, "interval_s", self.interval_s, "[0, 3600] seconds")
@@ -106,7 +108,7 @@ class FrontierTargets(KnowledgeSource[FrontierTargetsParams]):
         super().__init__(params, name=name, seed=seed)
         self.triggers = (Trigger(kind=GRID, min_interval_s=params.interval_s),)
         self._grid = GridMirror()
-        self._names = Names("frontier", params.same_m)
+        self._names = Names("frontier", params.same_m, anchored=True)
         self._standing = StandingHypotheses(TARGET, differs, Verdicts(params.theory))
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:

@@ -99,11 +99,15 @@ def give(board: Access, entry: Entry[M], reasons: Sequence[Reason]) -> Entry[M]:
 
 
 class Names:
-    """Names for places that are found again and again: the nearest within `reach_m` keeps its name, a new one gets the next."""
+    """Names for places that are found again and again: the nearest within `reach_m` keeps its name, a new one gets the next.
 
-    def __init__(self, prefix: str, reach_m: float) -> None:
+    What is `anchored` is compared with where it was first: a place that wanders off does not take its name along.
+    """
+
+    def __init__(self, prefix: str, reach_m: float, *, anchored: bool = False) -> None:
         self._prefix = prefix
         self._reach_m = reach_m
+        self._anchored = anchored
         self._places: dict[str, tuple[float, float]] = {}
         self._next = 1
 
@@ -125,5 +129,6 @@ class Names:
             if i not in names:
                 names[i] = f"{self._prefix}-{self._next}"
                 self._next += 1
-        self._places = {names[i]: place for i, place in enumerate(places)}
+        first = self._places if self._anchored else {}
+        self._places = {names[i]: first.get(names[i], place) for i, place in enumerate(places)}
         return [names[i] for i in range(len(places))]

@@ -75,4 +75,11 @@ def test_the_nearest_keeps_its_name() -> None:
     assert names.name([(2.1, 0.0), (0.3, 0.0), (0.1, 0.0)]) == ["target-2", "target-3", "target-1"]
     assert names.name([(9.0, 0.0)]) == ["target-4"]
     assert names.name([(0.1, 0.0)]) == ["target-5"]  # once given up, a name does not come back
+    assert names.name([(0.5, 0.0)]) == names.name([(0.9, 0.0)]) == ["target-5"]
     assert names.name([]) == []
+
+
+def test_what_wanders_off_its_anchor_gets_another_name() -> None:
+    names = Names("target", 0.5, anchored=True)
+    assert names.name([(0.0, 0.0)]) == names.name([(0.4, 0.0)]) == ["target-1"]
+    assert names.name([(0.8, 0.0)]) == names.name([(1.2, 0.0)]) == ["target-2"]
