@@ -46,11 +46,5 @@ class WorkingFact(Fact):  # type: ignore[misc]
         """What is equal for the same facts only."""
         return (self.value.relation, self.value.slots is None, self.identities)
 
-    def has_field_constraints(self) -> bool:
-        return False
-
-    def has_nested_accessor(self) -> bool:
-        return False
-
     __hash__ = object.__hash__
     __eq__ = object.__eq__

@@ -16,11 +16,6 @@ class Place:
     field: Part | None
     inside: Part | None = None
 
-    @property
-    def is_stretch(self) -> bool:
-        """Say whether it holds a multifield, cut out of its fact."""
-        return isinstance(self.field if self.inside is None else self.inside, tuple)
-
     def value(self) -> Callable[[WorkingFact], Value]:
         """Return what reads the value here from a fact."""
         if self.field is None:
