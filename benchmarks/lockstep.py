@@ -142,16 +142,12 @@ def _unlike(clips: Firing, experta: Firing) -> str | None:
         return f"{clips.activation} prints {clips.printed!r} in CLIPS, {experta.printed!r} in experta"
     if (clips.error is None) is not (experta.error is None):
         return f"{clips.activation} fails with {clips.error!r} in CLIPS, {experta.error!r} in experta"
-    net = [sorted(repr((one.index, one.fact.key, one.asserted)) for one in _net(firing)) for firing in (clips, experta)]
-    return None if net[0] == net[1] else f"{clips.activation} changes {net[0]} in CLIPS, {net[1]} in experta"
-
-
-def _net(firing: Firing) -> list:  # type: ignore[type-arg]
-    """Return the changes that stand at the end: not what was undone in the same firing."""
-    found: dict[tuple[object, ...], list] = {}  # type: ignore[type-arg]
-    for change in firing.changes:
-        found.setdefault((change.index, change.fact.key), []).append(change)
-    return [changes[0] for changes in found.values() if len(changes) % 2]
+    changes = [[(one.index, one.fact.key, one.asserted) for one in firing.changes] for firing in (clips, experta)]
+    return (
+        None
+        if changes[0] == changes[1]
+        else f"{clips.activation} changes {changes[0]} in CLIPS, {changes[1]} in experta"
+    )
 
 
 def drive(pair: Pair, random: Random, facts: Iterator[FactValue], changes: int = CHANGES) -> str | None:

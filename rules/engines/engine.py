@@ -37,7 +37,10 @@ class FactChange:
 
 @dataclass(frozen=True, slots=True)
 class Firing:
-    """A rule that has fired, what it changed in working memory, and what it printed. `error`: what its actions raised."""
+    """A rule that has fired, what it changed in working memory, and what it printed. `error`: what its actions raised.
+
+    `changes` are what has gone, by index, then what has come; what the same firing undid is not among them.
+    """
 
     activation: Activation
     changes: tuple[FactChange, ...] = ()

@@ -82,7 +82,7 @@ class ExpertaEngine(Engine):
             waiting.rule(bindings=waiting.context)
         except Exception as fault:  # also of an external function: the other rules go on
             error = told(fault)
-        return Firing(_shown(waiting), tuple(self._changes), "".join(self._printed), error)
+        return Firing(_shown(waiting), _net(self._changes), "".join(self._printed), error)
 
     @property
     def halted(self) -> bool:
@@ -149,6 +149,19 @@ class _Memory:
 
 def _shown(waiting: RuleActivation) -> Activation:
     return Activation(waiting.rule.__name__, waiting.row.indices(waiting.facts), waiting.rule.salience)
+
+
+def _net(changes: Sequence[FactChange]) -> tuple[FactChange, ...]:
+    """Return what has gone and what has come in the end, each by index."""
+    first: dict[int, FactChange] = {}
+    last: dict[int, FactChange] = {}
+    for change in changes:
+        first.setdefault(change.index, change)
+        last[change.index] = change
+    gone = {index: change for index, change in first.items() if not change.asserted}
+    come = {index: change for index, change in last.items() if change.asserted}
+    same = {index for index in gone.keys() & come.keys() if gone[index].fact.key == come[index].fact.key}
+    return tuple(found[index] for found in (gone, come) for index in sorted(found) if index not in same)
 
 
 def _is(activation: Activation) -> Callable[[RuleActivation], bool]:
