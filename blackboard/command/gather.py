@@ -137,17 +137,22 @@ def as_observed(entry: Entry[ModelLine]) -> Entry[Line]:
 
 
 class FrameCollector:
-    """Takes snapshots of a run, evenly over its time."""
+    """Takes snapshots of a run, evenly over its time, however long it turns out to be: between FRAMES and twice as many."""
 
     def __init__(self, run: Run) -> None:
         self.frames: list[Frame] = []
         self._run = run
+        self._next_s = self._between_s = 0.0
 
     def note(self, elapsed_s: float, total_s: float) -> None:
         """Take a snapshot if it is time for one."""
         trajectory = self._run.trajectory()
-        if len(self.frames) * total_s > FRAMES * elapsed_s or not len(trajectory):
+        if elapsed_s < self._next_s or not len(trajectory):
             return
+        if len(self.frames) == 2 * FRAMES:  # it goes on for longer: from now on half as many
+            self.frames = self.frames[::2]
+            self._between_s = elapsed_s / len(self.frames)
+        self._next_s = elapsed_s + self._between_s
         grid = Grid.from_tiles(entry.value for entry in self._run.board.entries(GRID))
         known = known_part(grid) if grid is not None else None
         stamp_s, x_m, y_m, heading_rad = (float(number) for number in trajectory[-1])
