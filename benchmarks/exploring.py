@@ -1,6 +1,6 @@
 """Exploring to the end: does it finish by itself, what has it decided of the floor, did it touch anything, how long did it take.
 
-python benchmarks/exploring.py [--mission M] [--world W ...] [--seeds N] [--duration S] [--reflexes] [--disturbed] [--jobs N]
+python benchmarks/exploring.py [--mission M] [--world W ...] [--seeds N] [--duration S] [--reflexes [N]] [--disturbed] [--jobs N]
 
 One row a seed: how the mission ended and when, the share of the reachable floor that the grid decided, as the map lies and
 with the world laid on it (docs/outputs.md),
@@ -36,6 +36,7 @@ from sim.world_by_name import RANDOM
 
 REFLEXES = ("curiosity", "boundary_following", "random_wander")  # what moves the robot where nothing decides
 MOST_JOBS = 2
+MANY = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -104,12 +105,12 @@ def explore(mission: Mission, duration_s: float, seed: int) -> Outcome:
     )
 
 
-def explore_twice(mission: Mission, duration_s: float, reflexes: bool, seed: int) -> tuple[Outcome, Outcome | None]:
-    """Run a mission, and the same for the same time without its rules, where that is asked for."""
+def explore_twice(mission: Mission, duration_s: float, beside: int, seed: int) -> tuple[Outcome, Outcome | None]:
+    """Run a mission, and for the seeds below `beside` the same for the same time without its rules."""
     if mission.robot.params.world == RANDOM:
         mission = replace(mission, robot=replace(mission.robot, params=replace(mission.robot.params, world_seed=seed)))
     outcome = explore(mission, duration_s, seed)
-    return outcome, explore(without_rules(mission), outcome.time_s, seed) if reflexes else None
+    return outcome, explore(without_rules(mission), outcome.time_s, seed) if seed < beside else None
 
 
 HEAD = (
@@ -168,7 +169,15 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=20, help="how many, from --first on")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--duration", type=float, default=3600.0, metavar="S", help="given up then")
-    parser.add_argument("--reflexes", action="store_true", help="also without rules, for the same time")
+    parser.add_argument(
+        "--reflexes",
+        type=int,
+        nargs="?",
+        const=MANY,
+        default=0,
+        metavar="N",
+        help="also without rules, for the same time: the first N seeds (all unless told)",
+    )
     parser.add_argument("--disturbed", action="store_true", help="with a chair, a person and a door in the way")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--jobs", type=int, default=MOST_JOBS, choices=range(1, MOST_JOBS + 1))
@@ -183,7 +192,8 @@ def main() -> None:
         print(f"{options.mission} in {world}, {options.seeds} seeds {' '.join(options.set)}\n{HEAD}", flush=True)
         outcomes = []
         with ProcessPoolExecutor(max_workers=options.jobs) as pool:
-            ran = pool.map(partial(explore_twice, mission, options.duration, options.reflexes), seeds)
+            beside = options.first + options.reflexes
+            ran = pool.map(partial(explore_twice, mission, options.duration, beside), seeds)
             for seed, (outcome, alone) in zip(seeds, ran, strict=True):
                 outcomes.append((outcome, alone))
                 print(row(seed, outcome, alone), flush=True)

@@ -92,12 +92,12 @@ BENCHMARKS = (
     (
         "Exploring the traps to the end",
         "The same.",
-        ("exploring.py", "--world", "trap", "--reflexes"),
+        ("exploring.py", "--world", "trap", "--reflexes", "8"),
     ),
     (
         "Exploring the office to the end",
         "The same.",
-        ("exploring.py", "--world", "office", "--reflexes", "--duration", "7200"),
+        ("exploring.py", "--world", "office", "--reflexes", "4", "--duration", "7200"),
     ),
     (
         "Exploring, disturbed",
