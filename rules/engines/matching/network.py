@@ -14,7 +14,6 @@ from rules.engines.matching.nodes import (
     OneFactNode,
     RootMemory,
     RuleEnd,
-    Settling,
     remove,
 )
 from rules.engines.matching.patterns import Templates, described, matching
@@ -40,7 +39,6 @@ class Network:
         self.compiler = Compiler(compiled, globals_)
         self.root = RootMemory()
         self.relations = Relations()
-        self.settling = Settling()
         self.shared: dict[object, Memory] = {}
         self.memories: list[Memory] = [self.root]
 
@@ -55,22 +53,18 @@ class Network:
             memory.clear()
         for alpha in self.relations.memories.values():
             alpha.clear()
-        self.settling.waiting.clear()
 
     def start(self) -> None:
         """Begin with no facts: what needs none matches now."""
         self.root.start()
-        self.settling.settle()
 
     def put(self, fact: WorkingFact) -> None:
         """Add a fact."""
         self.relations.put(fact)
-        self.settling.settle()
 
     def remove(self, fact: WorkingFact) -> None:
         """Take a fact out."""
         remove(fact)
-        self.settling.settle()
 
     def _row(self, memory: Memory, row: Sequence[Part], bound: Bound, level: int) -> tuple[Memory, Bound, int]:
         at = 0
@@ -157,7 +151,7 @@ class Network:
                 return self._filter(memory, [first, *tests], bound, group.wanted)
             if isinstance(first, Match) and len(tests) == len(rest):
                 return self._one_fact(memory, first, tests, bound, group.wanted, after)
-        node = GroupNode(self.settling, group.wanted)
+        node = GroupNode(group.wanted)
         memory.successors.insert(0, node)
         self.memories += [node, node.passed]
         for branch in group.branches:

@@ -1,7 +1,6 @@
 """The nodes of the network: joins, `not` and `exists`, tests, and the ends of rules.
 
-What a change does to `not` and `exists` over several conditions is settled when the change has gone through the whole network
-(`Settling`), so that nothing is made only to be undone.
+Each acts at once, as in CLIPS: where one fact makes a group hold and then not, in one change, what waited for it is born anew.
 """
 
 from collections.abc import Callable
@@ -117,31 +116,14 @@ class FilterNode(Memory):
             self.put(Token(self, token, None, token.facts))
 
 
-class Settling:
-    """The groups whose number of matches has changed and that may have to open or close."""
-
-    def __init__(self) -> None:
-        self.waiting: list[Token] = []
-
-    def settle(self) -> None:
-        """Open and close what must be, until nothing changes any more."""
-        while self.waiting:
-            waiting, self.waiting = self.waiting, []
-            for token in waiting:
-                if token.alive:
-                    assert isinstance(token.owner, GroupNode)
-                    token.owner.settle(token)
-
-
 class GroupNode(Memory):
     """`not`, or `exists` where `wanted`, over rows of conditions, which start from this memory and end in a GroupEnd.
 
     A token's `state` is the number of matches that have come from it. What passes goes on in `passed`.
     """
 
-    def __init__(self, settling: Settling, wanted: bool) -> None:
+    def __init__(self, wanted: bool) -> None:
         super().__init__()
-        self.settling = settling
         self.wanted = wanted
         self.passed = Memory()
 
@@ -149,9 +131,11 @@ class GroupNode(Memory):
         mine = Token(self, token, None, token.facts)
         mine.state = Matches()
         self.put(mine)
-        self.settling.waiting.append(mine)
+        mine.state.begun = True
+        self.settle(mine)
 
     def settle(self, token: Token) -> None:
+        """Pass a token on, or take back what has passed, as its number of matches asks for."""
         opened = (token.state.count > 0) is self.wanted
         if opened and token.state.passed is None:
             token.state.passed = Token(self.passed, token, None, token.facts)
@@ -164,9 +148,10 @@ class GroupNode(Memory):
 class Matches:
     """What a group knows of one token: how many matches there are, and the token that has passed on."""
 
-    __slots__ = ("count", "passed")
+    __slots__ = ("begun", "count", "passed")
 
     def __init__(self) -> None:
+        self.begun = False  # once the conditions inside have seen the token
         self.count = 0
         self.passed: Token | None = None
 
@@ -189,8 +174,8 @@ class GroupEnd(Memory):
     def _count(self, token: Token, change: int) -> None:
         group = token.state
         group.state.count += change
-        if group.alive:
-            self.group.settling.waiting.append(group)
+        if group.alive and group.state.begun:
+            self.group.settle(group)
 
 
 class RuleEnd(Memory):
