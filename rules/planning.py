@@ -161,9 +161,11 @@ class PlanningModule(Planner[PlanningParams]):
 
     def _begin(self, board: Access) -> None:
         self._begun = True
-        board.post(RULES, RuleFiles(engine=self.params.engine, files=self._texts))
+        rules = board.post(RULES, RuleFiles(engine=self.params.engine, files=self._texts))
         for index, fact in self._memory.engine.facts().items():
-            board.post(FACT, Fact(relation=fact.relation, fact=str(fact)), id=str(index))
+            value = Fact(relation=fact.relation, fact=str(fact)[:4000])
+            entry = board.post(FACT, value, id=str(index), supports=(rules,))
+            self._memory.put_behind(index, entry.as_support())
 
     def _reload(self, board: Access) -> None:
         """Let changed files take over; where they cannot, say why and go on with the rules that run."""

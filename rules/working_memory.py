@@ -155,8 +155,12 @@ class WorkingMemory:
         self._clock = self.engine.assert_fact(FactValue(CLOCK, (time_s,), ("time-s",)))
 
     def support(self, index: int) -> Support | None:
-        """Return the revision behind a fact; None for the clock and for what deffacts say."""
+        """Return the revision behind a fact; None for the clock."""
         return self._behind.get(index)
+
+    def put_behind(self, index: int, support: Support) -> None:
+        """Say which revision stands behind a fact that follows from no entry."""
+        self._behind[index] = support
 
     def entry_of(self, index: int) -> Entry[Any] | None:
         """Return the entry that a fact follows from; None where it follows from none."""
@@ -173,7 +177,7 @@ class WorkingMemory:
             if change.asserted:
                 support = behind.get(change.index)
                 if support is not None:
-                    self._behind[change.index] = support
+                    self.put_behind(change.index, support)
                 continue
             self._behind.pop(change.index, None)
             if change.index == self._clock:

@@ -111,6 +111,12 @@ def test_the_rule_of_the_thesis_runs_as_printed(tmp_path: Path) -> None:
         "(position-index 10)",
         "(position-index 10 frontier-center 3.5 1.25)",
     )
+    assert {support.key for support in firing.supports} == {f"ski/k2a/control/fact/{index}" for index in (1, 2, 3)}
+    rules = bench.board.newest(RULES)
+    assert rules is not None
+    known = bench.board.newest(FACT, "2")  # what deffacts say stands on the rule files themselves
+    assert known is not None
+    assert known.supports == (rules.as_support(),)
     motivation = bench.board.newest(MOTIVATION, "target_nav")
     assert motivation is not None
     assert motivation.supports == (firing.as_support(),)
