@@ -6,7 +6,7 @@
 (defglobal ?*into-corner-m* = 0.8)  ; the middle of what is looked at: a drum of 0.3 m radius fills a corner so far
 (defglobal ?*stand-off-m* = 1.5)    ; from there a corner is in the camera's view, and near
 (defglobal ?*same-corner-m* = 0.8)  ; corners nearer to each other are one: lines move a little
-(defglobal ?*much-nearer* = 0.5)    ; what is on the way, at less than so much of the length, is not passed by
+(defglobal ?*much-nearer* = 0.25)    ; what is on the way, at less than so much of the length, is not passed by
 (defglobal ?*good-look-m* = 2.2)    ; into a corner from so near, with a way there of no more than
 (defglobal ?*way-there-m* = 3.0)    ; so much, that is with no wall between,
 (defglobal ?*ahead* = 0.93)         ; and within 21 degrees of straight ahead (the cosine), shows what stands there
@@ -15,7 +15,6 @@
 (defglobal ?*search-spells* = 40)   ; and so often, before it gives up
 
 (defglobal              ; saliences beside those of `arbitration.clp`
-  ?*know-where* = 16    ; a place to look at: before it wanders
   ?*suspects-first* = -5
   ?*corners-next* = -6  ; and only then whatever is near
   ?*search-on* = -25    ; nowhere to go, but something is missing
@@ -122,21 +121,12 @@
 
 (defrule somewhere-to-look-stop-wandering "There is something to look at: no need to wander"
   (declare (salience ?*note*))
-  ?mode <- (mode wander|search)
+  ?mode <- (mode search)
   (candidate (target ?target))
   (target (id ?target) (reason corner|object))
   =>
   (retract ?mode)
   (assert (mode choose)))
-
-(defrule somewhere-to-look-no-first-wander "Nor to begin with it"
-  (declare (salience ?*know-where*))
-  (mode choose)
-  (candidate (target ?target))
-  (target (id ?target) (reason corner|object))
-  ?spell <- (wander-for ?)
-  =>
-  (retract ?spell))
 
 ; The end
 
