@@ -46,7 +46,7 @@ from rules.engines.engine import Engine
 from rules.engines.engine import Firing as Fired
 from rules.engines.factory import make_engine
 from rules.language.errors import RuleError as LanguageError
-from rules.language.syntax import Program
+from rules.language.syntax import Position, Program
 from rules.language.templates import planning_templates
 from rules.language.values import FactValue
 from rules.posted_kinds import posted_kinds
@@ -126,6 +126,7 @@ class PlanningModule(Planner[PlanningParams]):
             changed = True
         if changed or self._unfinished:
             self._run(board)
+            self._show_faults(board)
 
     def _take_changes(self) -> bool:
         """Bring working memory up to date with the board; return whether it changed."""
@@ -235,6 +236,12 @@ class PlanningModule(Planner[PlanningParams]):
             if standing is None or standing.value.text != text:  # it goes on: no news
                 board.post(RULE_ERROR, RuleError(rule=name, text=text), id=chunk(name))
 
+    def _show_faults(self, board: Access) -> None:
+        """Post what of rules' conditions could not be evaluated."""
+        for fault in self._memory.engine.take_faults():
+            name = rule_at(fault.position, self._memory.engine.program)
+            board.post(RULE_ERROR, RuleError(rule=name, text=str(fault)[:4000]), id=chunk(name))
+
     def _settle(self, board: Access, fired: Fired, matched: Sequence[FactValue | None]) -> bool:
         """Show a firing and do what it asked for; return whether it said halt."""
         activation, memory = fired.activation, self._memory
@@ -275,6 +282,13 @@ class PlanningModule(Planner[PlanningParams]):
             board.post(RULE_ERROR, fault, id=chunk(activation.rule), supports=(firing,))
         self._take_changes()  # what it posted is news to the next rule at once: a motivation, and so its number
         return memory.engine.halted
+
+
+def rule_at(position: Position | None, program: Program) -> str:
+    """Return the name of the rule that stands at a place: the last one that begins before it."""
+    before = [rule for rule in program.rules if position is not None and rule.position <= position]
+    here = [rule for rule in before if position is not None and rule.position.file == position.file]
+    return max(here, key=lambda rule: rule.position).name if here else "unknown"
 
 
 def chunk(name: str) -> str:

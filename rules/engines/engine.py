@@ -112,6 +112,10 @@ class Engine(ABC):
     def set_global(self, name: str, value: Value) -> None:
         """Set a global; KeyError where the program has none of this name."""
 
+    def take_faults(self) -> Sequence[RuleError]:
+        """Return what of the conditions could not be evaluated since the last call, each once; it did not match."""
+        return ()
+
     @abstractmethod
     def close(self) -> None:
         """Let go of what the engine holds outside Python."""

@@ -11,6 +11,7 @@ from rules.engines.knowledge_base import KnowledgeBase
 from rules.engines.matching.network import Network
 from rules.engines.strategy import RuleActivation
 from rules.language.actions import ActionCompiler
+from rules.language.errors import RuleError
 from rules.language.syntax import Program, Rule
 from rules.language.values import FactValue, Value
 
@@ -27,6 +28,7 @@ class ExpertaEngine(Engine):
         self._halted = False
         templates = {template.name: template for template in program.templates}
         network = Network(templates, self._compiler.evaluator.compiled, self._globals)
+        self._faults = network.compiler.faults
         acts = [self._act(rule) for rule in program.rules]
         self._base = KnowledgeBase(experta_rules(program.rules, acts), network)
         self._memory = _Memory(self._base, self._globals, self._changes, self._printed, self._halt)
@@ -98,6 +100,11 @@ class ExpertaEngine(Engine):
         if name not in self._globals:
             raise KeyError(name)
         self._globals[name] = value
+
+    def take_faults(self) -> Sequence[RuleError]:
+        faults = tuple(self._faults.values())
+        self._faults.clear()
+        return faults
 
     def close(self) -> None:
         self._base.clear()

@@ -211,6 +211,27 @@ def test_what_a_rule_raises_is_told_and_the_others_go_on(tmp_path: Path) -> None
     assert "(after)" not in bench.facts()
 
 
+@pytest.mark.parametrize(
+    "condition", ["(a ?x) (test (> ?x 0))", "(a ?x&:(> ?x 0))", "(z) (a ?x) (not (z ?y&:(> ?x 0)))"]
+)
+def test_a_condition_that_cannot_be_evaluated_is_told(tmp_path: Path, condition: str) -> None:
+    rules = (
+        "(deffacts start (a x) (z) (z 1))\n"
+        "(defrule first (a x) => (assert (b)))\n"
+        f"(defrule more {condition} => (assert (big ?x)))"
+    )
+    bench = Bench(tmp_path, rules)
+    bench.cycle()
+    assert "(big x)" not in bench.facts()
+    [error] = bench.board.entries(RULE_ERROR)
+    assert error.id == "more"
+    assert error.value.text.startswith("rules0.clp:3:")
+    assert error.value.text.endswith("(> ...) takes numbers, not a symbol (x)")
+    bench.target("frontier-1")
+    bench.cycle()
+    assert bench.board.entries(RULE_ERROR) == [error]  # told once
+
+
 def test_an_endless_loop_is_cut_off_and_told(tmp_path: Path) -> None:
     loop = "(deffacts start (n 0)) (defrule loop ?n <- (n ?x) => (retract ?n) (assert (n (+ ?x 1))))"
     bench = Bench(tmp_path, loop, firings_per_cycle=50)

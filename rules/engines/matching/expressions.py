@@ -1,7 +1,7 @@
 """Expressions in patterns and tests, compiled to read their variables from a token's facts and the fact in question."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from rules.engines.matching.facts import Identity, WorkingFact, identity
@@ -15,6 +15,8 @@ Facts = tuple[WorkingFact, ...]
 Evaluate = Callable[[Facts, Any], Value]
 Check = Callable[[Facts, Any], bool]  # of a token's facts and the fact in question, if any
 Scope = Mapping[str, Place | TokenPlace]  # a Place is one in the fact in question
+
+MOST_FAULTS = 100
 
 
 def variables(expression: Expression) -> Iterator[str]:
@@ -32,6 +34,14 @@ class Compiler:
 
     compiled: Callable[[Expression], Compiled]
     globals_: Mapping[str, Value]
+    faults: dict[str, RuleError] = field(
+        default_factory=dict
+    )  # what could not be evaluated, each once, until it is told
+
+    def note(self, fault: RuleError) -> None:
+        """Keep a fault of a condition, to be told."""
+        if len(self.faults) < MOST_FAULTS:
+            self.faults.setdefault(str(fault), fault)
 
 
 def evaluation(expression: Expression, scope: Scope, compiler: Compiler) -> Evaluate:
@@ -78,8 +88,8 @@ def equality(evaluate: Evaluate, read: Callable[[WorkingFact], Identity], negate
     return check
 
 
-def guarded(checks: Sequence[Check], on_error: bool) -> Check | None:
-    """Return all the checks as one, or None if there are none; what cannot be evaluated is `on_error`.
+def guarded(checks: Sequence[Check], on_error: bool, note: Callable[[RuleError], None]) -> Check | None:
+    """Return all the checks as one, or None if there are none; what cannot be evaluated is `on_error`, and noted.
 
     CLIPS has it so: a test that fails with an error does not match, but what it keeps from matching under `not` counts as matched.
     """
@@ -91,7 +101,8 @@ def guarded(checks: Sequence[Check], on_error: bool) -> Check | None:
             for one in checks:  # not all(...), which takes three times as long
                 if not one(facts, fact):
                     return False
-        except RuleError:
+        except RuleError as fault:
+            note(fault)
             return on_error
         return True
 

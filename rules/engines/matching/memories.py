@@ -121,8 +121,14 @@ class RightSide(Protocol):
 class AlphaMemory:
     """The facts that match one pattern by themselves."""
 
-    def __init__(self, checks: list[Callable[[WorkingFact], bool]], order: tuple[int, ...]) -> None:
+    def __init__(
+        self,
+        checks: list[Callable[[WorkingFact], bool]],
+        order: tuple[int, ...],
+        note: Callable[[RuleError], None],
+    ) -> None:
         self.checks = checks
+        self.note = note
         self.order = order  # which of the memories a fact enters first
         self.indexes: dict[tuple[Place, ...], Index] = {}
         self.joins: list[RightSide] = []  # the latest made first: what stands below another must meet a fact before it
@@ -134,10 +140,11 @@ class AlphaMemory:
         return self.indexes[places]
 
     def fits(self, fact: WorkingFact) -> bool:
-        """Say whether a fact matches by itself; where that cannot be evaluated, it does not."""
+        """Say whether a fact matches by itself; where that cannot be evaluated, it does not, and that is noted."""
         try:
             return all(check(fact) for check in self.checks)
-        except RuleError:
+        except RuleError as fault:
+            self.note(fault)
             return False
 
     def put(self, fact: WorkingFact) -> None:

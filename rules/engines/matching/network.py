@@ -38,7 +38,7 @@ class Network:
         self.templates = templates
         self.compiler = Compiler(compiled, globals_)
         self.root = RootMemory()
-        self.relations = Relations()
+        self.relations = Relations(self.compiler.note)
         self.shared: dict[object, Memory] = {}
         self.memories: list[Memory] = [self.root]
 
@@ -94,7 +94,10 @@ class Network:
             alpha = self.relations.memory(made)
             left = memory.index(tuple(there for _, there in made.keys))
             node = self._new(
-                spec, JoinNode(left, alpha.index(tuple(here for here, _ in made.keys)), guarded(checks, on_error=False))
+                spec,
+                JoinNode(
+                    left, alpha.index(tuple(here for here, _ in made.keys)), guarded(checks, False, self.compiler.note)
+                ),
             )
             assert isinstance(node, JoinNode)
             memory.successors.insert(0, node)
@@ -117,7 +120,7 @@ class Network:
         if node is None:
             resting = Index(identities(tuple(there for _, there in made.keys)))
             right = alpha.index(tuple(here for here, _ in made.keys))
-            node = self._new(spec, OneFactNode(resting, right, guarded(checks, on_error=not wanted), wanted))
+            node = self._new(spec, OneFactNode(resting, right, guarded(checks, not wanted, self.compiler.note), wanted))
             assert isinstance(node, OneFactNode)
             memory.successors.insert(0, node)
             alpha.joins.insert(0, node)
@@ -139,7 +142,7 @@ class Network:
         def check(facts: Facts, fact: None) -> bool:
             return all(one(facts, fact) for one in checks) is wanted
 
-        node = FilterNode(guarded([check], on_error=False))
+        node = FilterNode(guarded([check], False, self.compiler.note))
         memory.successors.insert(0, node)
         return self._new(spec, node)
 

@@ -11,6 +11,7 @@ from rules.engines.matching.facts import Identity, WorkingFact
 from rules.engines.matching.memories import AlphaMemory
 from rules.engines.matching.patterns import Matching
 from rules.engines.matching.places import Place
+from rules.language.errors import RuleError
 
 _order = attrgetter("order")
 
@@ -49,9 +50,10 @@ class Relation:
 
 
 class Relations:
-    """All alpha memories; equal patterns share one."""
+    """All alpha memories; equal patterns share one. `note` hears of what a pattern's tests could not evaluate."""
 
-    def __init__(self) -> None:
+    def __init__(self, note: Callable[[RuleError], None]) -> None:
+        self._note = note
         self.relations: dict[tuple[str, bool], Relation] = {}
         self.memories: dict[object, AlphaMemory] = {}
 
@@ -64,7 +66,7 @@ class Relations:
             chosen = next((place for place in made.constants if _direct(place)), None)
             checks = made.checks + [_constant(place, wanted) for place, wanted in constants if place != chosen]
             relation = self.relations.setdefault((made.relation, made.ordered), Relation())
-            memory = self.memories[spec] = AlphaMemory(checks, relation.order(path))
+            memory = self.memories[spec] = AlphaMemory(checks, relation.order(path), self._note)
             field = chosen.field if chosen is not None else None
             assert not isinstance(field, tuple)
             relation.add(memory, field, made.constants.get(chosen) if chosen is not None else None)
