@@ -86,10 +86,12 @@
   =>
   (retract-entry ?target))
 
-(defrule looking-for-something-look-all-round "A camera sees only what is ahead of it"
+(defrule could-be-anywhere-look-all-round "A camera sees only what is ahead of it: who does not know where to look turns once around"
   (declare (salience ?*urgent*))
   (mode look-around)
-  (looking-for ? ?)
+  (looking-for ?object ?)
+  (or (not (usually-stands-in ?object corner))
+      (search-spells ?n&:(> ?n 0))) ; corners alone did not do
   =>
   (motivate curiosity ?*all-round-rad*))
 
@@ -168,6 +170,23 @@
   =>
   (retract ?mode ?spells)
   (assert (mode search) (search-until (+ (now) ?*spell-s*)) (search-spells (+ ?n 1))))
+
+(defrule search-looks-again "What has been looked at on the way may have shown only a part: it counts as not looked at, once"
+  (declare (salience ?*note*))
+  (mode search)
+  (search-spells 1)
+  ?looked <- (looked-from ? ?)
+  =>
+  (retract ?looked))
+
+(defrule search-visits-again "And its targets are worth another visit"
+  (declare (salience ?*note*))
+  (mode search)
+  (search-spells 1)
+  (target (id ?target) (reason frontier|line-end))
+  ?over <- (given-up ?target)
+  =>
+  (retract ?over))
 
 (defrule searched-look-around "After a spell of searching it looks around"
   ?mode <- (mode search)
