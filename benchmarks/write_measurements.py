@@ -92,7 +92,7 @@ BENCHMARKS = (
     (
         "Exploring the traps to the end",
         "The same.",
-        ("exploring.py", "--world", "trap", "--reflexes", "8"),
+        ("exploring.py", "--world", "trap", "--reflexes", "4"),
     ),
     (
         "Exploring the office to the end",
