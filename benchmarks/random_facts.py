@@ -8,17 +8,14 @@ from collections.abc import Iterable, Iterator
 from random import Random
 
 from rules.language.syntax import (
-    Action,
     All,
     AnyOf,
-    Assert,
     Call,
     Condition,
     Constant,
     Exists,
     Expression,
     FactForm,
-    If,
     Match,
     Not,
     Pattern,
@@ -30,6 +27,7 @@ from rules.language.syntax import (
     VariableUse,
 )
 from rules.language.values import FactValue, Symbol, Value
+from rules.language.walk import asserted, patterns_in
 
 Place = tuple[str, str | int]  # a relation, and its slot or the position of the field
 ALIKE = ("eq", "neq", "str-cat", "sym-cat", "post", "printout", "not", "and", "or")  # say nothing about kinds
@@ -111,7 +109,7 @@ class FactMaker:
 
     def _look_at(self, rule: Rule) -> None:
         bound: dict[str, list[Place]] = {}
-        for pattern in _patterns(rule.conditions):
+        for pattern in patterns_in(rule.conditions):
             for at, constraint in zip(self._places(pattern), pattern.constraints, strict=True):
                 for term in (constraint.binds, *(atom.term for row in constraint.alternatives for atom in row)):
                     if isinstance(term, VariableUse):
@@ -123,7 +121,7 @@ class FactMaker:
         self._joined += bound.values()
         for expression in _expressions(rule):
             self._calculated(expression, bound)
-        for form in _forms(rule.actions):
+        for form in asserted(rule):
             self._form(form, bound)
 
     def _places(self, pattern: Pattern | FactForm) -> list[Place]:
@@ -155,16 +153,6 @@ class FactMaker:
                 self._calculated(argument, bound)
 
 
-def _patterns(conditions: Iterable[Condition]) -> Iterator[Pattern]:
-    for condition in conditions:
-        if isinstance(condition, Match):
-            yield condition.pattern
-        elif isinstance(condition, Not):
-            yield from _patterns((condition.condition,))
-        elif isinstance(condition, Exists | All | AnyOf):
-            yield from _patterns(condition.conditions)
-
-
 def _wanted(conditions: Iterable[Condition]) -> Iterator[Pattern]:
     """Yield the patterns for which there must be facts, all ways through an `or` among them."""
     for condition in conditions:
@@ -187,17 +175,9 @@ def _tests(conditions: Iterable[Condition]) -> Iterator[Expression]:
 def _expressions(rule: Rule) -> Iterator[Expression]:
     """Yield what a rule's conditions calculate."""
     yield from _tests(rule.conditions)
-    for pattern in _patterns(rule.conditions):
+    for pattern in patterns_in(rule.conditions):
         for constraint in pattern.constraints:
             for row in constraint.alternatives:
                 yield from (atom.term.expression for atom in row if isinstance(atom.term, Predicate | Returned))
-    for form in _forms(rule.actions):
+    for form in asserted(rule):
         yield from form.fields
-
-
-def _forms(actions: Iterable[Action]) -> Iterator[FactForm]:
-    for action in actions:
-        if isinstance(action, Assert):
-            yield from action.facts
-        elif isinstance(action, If):
-            yield from _forms((*action.then, *action.otherwise))

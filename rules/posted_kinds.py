@@ -1,13 +1,14 @@
 """Which kinds rules post, and whether they may."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 from blackboard.component import Parts
 from blackboard.kinds import Kind
 from rules.language.errors import RuleError
-from rules.language.syntax import Action, Call, Constant, If, Position, Program
+from rules.language.syntax import Constant, Program
 from rules.language.templates import kind_template, kind_templates
+from rules.language.walk import calls_of
 
 
 def posted_kinds(program: Program, parts: Parts, own: Iterable[Kind[Any]]) -> tuple[Kind[Any], ...]:
@@ -16,7 +17,10 @@ def posted_kinds(program: Program, parts: Parts, own: Iterable[Kind[Any]]) -> tu
     found: dict[str, Kind[Any]] = {}
     templates = kind_templates(parts.vocabulary)
     for rule in program.rules:
-        for name, position in _posts(rule.actions):
+        for call in calls_of(rule):
+            if call.function != "post" or not isinstance(call.arguments[0], Constant):
+                continue
+            name, position = str(call.arguments[0].value), call.position
             try:
                 kind = kind_template(name, templates).kind
             except RuleError as error:
@@ -26,11 +30,3 @@ def posted_kinds(program: Program, parts: Parts, own: Iterable[Kind[Any]]) -> tu
                 raise RuleError(f"post: '{name}' is posted by {owner} already; only one may", position)
             found[kind.path] = kind
     return tuple(found.values())
-
-
-def _posts(actions: Iterable[Action]) -> Iterator[tuple[str, Position]]:
-    for action in actions:
-        if isinstance(action, If):
-            yield from _posts((*action.then, *action.otherwise))
-        elif isinstance(action, Call) and action.function == "post" and isinstance(action.arguments[0], Constant):
-            yield str(action.arguments[0].value), action.position

@@ -14,9 +14,10 @@ from blackboard.kinds import Kind
 from blackboard.vocabulary import Vocabulary
 from rules.engines.engine import Engine, FactChange
 from rules.language.errors import RuleError
-from rules.language.syntax import All, AnyOf, Condition, Exists, Match, Not, Program, Slot, Template
+from rules.language.syntax import Program, Slot, Template
 from rules.language.templates import KindTemplate, kind_templates
 from rules.language.values import NIL, FactValue, Value, same
+from rules.language.walk import patterns_in
 
 CLOCK = "clock"  # the template of the mission's clock: (clock (time-s 12.0))
 
@@ -25,19 +26,9 @@ def slots_looked_at(program: Program) -> dict[str, frozenset[str]]:
     """Return, by relation, the slots that the program's patterns mention."""
     found: dict[str, set[str]] = {}
     for rule in program.rules:
-        for pattern in _patterns(rule.conditions):
+        for pattern in patterns_in(rule.conditions):
             found.setdefault(pattern.relation, set()).update(pattern.slots or ())
     return {relation: frozenset(slots) for relation, slots in found.items()}
-
-
-def _patterns(conditions: Iterable[Condition]) -> Iterable[Any]:
-    for condition in conditions:
-        if isinstance(condition, Match):
-            yield condition.pattern
-        elif isinstance(condition, Not):
-            yield from _patterns((condition.condition,))
-        elif isinstance(condition, Exists | All | AnyOf):
-            yield from _patterns(condition.conditions)
 
 
 @dataclass(frozen=True, slots=True)

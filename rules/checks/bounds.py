@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from math import inf
 
 from rules.checks.finding import Finding
-from rules.checks.walk import actions_of
 from rules.language.alternatives import alternatives
 from rules.language.errors import RuleError
 from rules.language.evaluation import evaluate
@@ -26,6 +25,7 @@ from rules.language.syntax import (
     VariableUse,
 )
 from rules.language.values import Value, same, written
+from rules.language.walk import actions_of
 
 MIRRORED = {"<": ">", ">": "<", "<=": ">=", ">=": "<=", "=": "="}
 

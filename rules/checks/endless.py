@@ -9,7 +9,6 @@ from itertools import combinations
 from rules.checks.facts import is_several
 from rules.checks.finding import Finding
 from rules.checks.together import asked, field_of, implies, is_plain, keys_of, rows_of, variable_of
-from rules.checks.walk import patterns_in
 from rules.language.syntax import (
     Assert,
     Atom,
@@ -31,6 +30,7 @@ from rules.language.syntax import (
     VariableUse,
     Wildcard,
 )
+from rules.language.walk import patterns_in
 from rules.language.writing import condition_text, expression_text
 
 VARIABLE = re.compile(r"\$?\?[^*]")

@@ -3,7 +3,6 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from rules.checks.walk import actions_of, patterns_in
 from rules.language.actions import default_of
 from rules.language.functions import FUNCTIONS
 from rules.language.library.multifields import MULTIFIELDS
@@ -29,6 +28,7 @@ from rules.language.syntax import (
     Wildcard,
 )
 from rules.language.values import Value, same
+from rules.language.walk import actions_of, patterns_in
 
 Known = Value | None  # None: may be anything
 GIVES_ONE = ("nth$", "length$", "member$", "subsetp")  # of the functions of multifields, those that return one value

@@ -7,11 +7,11 @@ from functools import cached_property
 from blackboard.component import Parts
 from blackboard.errors import did_you_mean
 from rules.checks.finding import Finding
-from rules.checks.walk import calls_of, patterns_in
 from rules.language.errors import RuleError
 from rules.language.syntax import Call, Constant, Expression, Pattern, Position, Program
 from rules.language.templates import KindTemplate, kind_templates
 from rules.language.values import FALSE, TRUE, Symbol, Value, written
+from rules.language.walk import calls_of, patterns_in
 
 LIMITS = {"set-gain": 100.0, "set-threshold": 1000.0}  # those of blackboard.messages.motion.Switch
 OF_BEHAVIOURS = ("behaviour", "motivation")  # templates whose ids are the names of behaviours

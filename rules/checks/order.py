@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from rules.checks.bounds import constant_globals
 from rules.checks.finding import Finding
 from rules.checks.together import Singles, can_hold_together, rows_of, singles
-from rules.checks.walk import actions_of, calls_of
 from rules.language.syntax import Call, Condition, Constant, Match, Modify, Pattern, Program, Retract, Rule, VariableUse
 from rules.language.values import Value
+from rules.language.walk import actions_of, calls_of
 from rules.language.writing import action_text, expression_text
 
 SETTING = ("behaviour-select", "motivate", "set-gain", "set-threshold", "focus")

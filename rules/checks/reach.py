@@ -5,10 +5,10 @@ from collections.abc import Iterable, Iterator
 from blackboard.errors import did_you_mean
 from rules.checks.facts import Facts, admits
 from rules.checks.finding import Finding
-from rules.checks.walk import patterns_in
 from rules.language.alternatives import alternatives
 from rules.language.syntax import Condition, Constant, Constraint, Exists, Match, Not, Pattern, Program, Rule, Wildcard
 from rules.language.values import Symbol, Value, written
+from rules.language.walk import patterns_in
 
 
 def reach_findings(program: Program) -> Iterator[Finding]:

@@ -8,11 +8,11 @@ import msgspec
 from blackboard.errors import did_you_mean
 from rules.checks.finding import Finding
 from rules.checks.names import Board
-from rules.checks.walk import patterns_in
 from rules.language.library.function import kind
 from rules.language.syntax import Constant, Program
 from rules.language.templates import LONGEST_NAME, KindTemplate, symbol
 from rules.language.values import FALSE, NIL, TRUE, Symbol, Value, written
+from rules.language.walk import patterns_in
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,6 @@ from typing import Any, TypeVar
 
 from rules.checks.bounds import Variables
 from rules.checks.facts import admits, bound_relations, is_several
-from rules.checks.walk import actions_of
 from rules.language.alternatives import alternatives
 from rules.language.syntax import (
     Assert,
@@ -32,6 +31,7 @@ from rules.language.syntax import (
     Wildcard,
 )
 from rules.language.values import Value
+from rules.language.walk import actions_of
 from rules.language.writing import constraint_text, expression_text
 
 OPPOSITES = {"<": ">=", ">=": "<", ">": "<=", "<=": ">", "=": "<>", "<>": "=", "eq": "neq", "neq": "eq"}

@@ -18,8 +18,9 @@ from rules.engines.engine import Activation, Engine, External, Firing, told
 from rules.engines.matching.disjuncts import Part, disjuncts
 from rules.language.actions import ActionCompiler
 from rules.language.errors import RuleError
-from rules.language.syntax import Action, Assert, If, Match, Modify, Program, Retract, Test
+from rules.language.syntax import Assert, Match, Modify, Program, Retract, Rule, Test
 from rules.language.values import FactAddress, FactValue, Value
+from rules.language.walk import actions_of
 from rules.language.writing import written_constructs
 
 HALT = "halt"
@@ -74,7 +75,11 @@ class ClipsEngine(Engine):
         slots = {template.name: tuple(slot.name for slot in template.slots) for template in program.templates}
         self._facts = ClipsFacts(self._clips, slots)
         self._shapes = {rule.name: [_shape(row) for row in disjuncts(rule.conditions)] for rule in program.rules}
-        self._changing = {rule.name for rule in program.rules if _kinds(rule.actions) & {Assert, Retract, Modify}}
+        self._changing = {
+            rule.name
+            for rule in program.rules
+            if any(isinstance(one, Assert | Retract | Modify) for one in actions_of(rule.actions))
+        }
 
     def _halt(self) -> clips.Symbol:
         self._halted = True
@@ -200,7 +205,5 @@ def _shape(row: Sequence[Part]) -> list[str | None]:
     return [part.pattern.relation if isinstance(part, Match) else None for part in row if not isinstance(part, Test)]
 
 
-def _kinds(actions: Sequence[Action]) -> set[type]:
-    """Return the kinds of the actions, those within `if` too."""
-    inner = [one for action in actions if isinstance(action, If) for one in (*action.then, *action.otherwise)]
-    return {type(action) for action in actions}.union(_kinds(inner) if inner else ())
+def _changes_facts(rule: Rule) -> bool:
+    return any(isinstance(action, Assert | Retract | Modify) for action in actions_of(rule.actions))

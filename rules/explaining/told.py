@@ -5,9 +5,10 @@ from collections.abc import Iterator, Mapping
 from blackboard.vocabulary import Vocabulary
 from rules.explaining.record import Situation
 from rules.explaining.why_not import Obstacle, Verdict, Way, brief
-from rules.language.syntax import Action, Assert, Constant, FactForm, If, Pattern, Program, Rule
+from rules.language.syntax import Constant, FactForm, Pattern, Program, Rule
 from rules.language.templates import kind_templates
 from rules.language.values import FactValue, same
+from rules.language.walk import asserted
 
 WAYS_SHOWN = 3
 RULES_SHOWN = 6
@@ -61,7 +62,7 @@ def _where_from(obstacle: Obstacle, program: Program) -> Iterator[str]:
     if (pattern := obstacle.pattern) is None:
         return
     relation = pattern.relation
-    makers = [rule.name for rule in program.rules if any(_fits(form, pattern) for form in asserted_forms(rule.actions))]
+    makers = [rule.name for rule in program.rules if any(_fits(form, pattern) for form in asserted(rule))]
     if makers:
         more = f" and {len(makers) - RULES_SHOWN} more" if len(makers) > RULES_SHOWN else ""
         yield f"what would match is asserted by {', '.join(makers[:RULES_SHOWN])}{more}"
@@ -69,15 +70,6 @@ def _where_from(obstacle: Obstacle, program: Program) -> Iterator[str]:
     boards = {template.name for template in program.templates if template.position is None}
     if relation in kinds and relation in boards:
         yield f"({relation} ...) is an entry of {kinds[relation].path} on the board"
-
-
-def asserted_forms(actions: tuple[Action, ...]) -> Iterator[FactForm]:
-    """Yield the facts that actions assert, whatever way their `if`s go."""
-    for action in actions:
-        if isinstance(action, Assert):
-            yield from action.facts
-        elif isinstance(action, If):
-            yield from asserted_forms((*action.then, *action.otherwise))
 
 
 def _fits(form: FactForm, pattern: Pattern) -> bool:

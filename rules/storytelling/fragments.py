@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 from blackboard.errors import did_you_mean
 from rules.explaining.matching import Matcher
-from rules.explaining.told import asserted_forms
 from rules.language.actions import ActionCompiler
 from rules.language.errors import RuleError, RuleErrors
 from rules.language.evaluation import evaluate
@@ -13,6 +12,7 @@ from rules.language.library.multifields import flattened
 from rules.language.reader import read_texts
 from rules.language.syntax import FactForm, Match, Modify, Pattern, Program, Template
 from rules.language.values import FactValue, Value
+from rules.language.walk import asserted
 from rules.storytelling.story_file import Said, Story
 from rules.working_memory import slots_looked_at
 
@@ -115,7 +115,7 @@ def _refuse_unheard(story: Story, program: Program, patterns: Mapping[Said, Patt
     rules = {rule.name for rule in program.rules}
     relations = facts | {one.name for one in program.templates} | set(slots_looked_at(program))
     relations |= {form.relation for one in program.deffacts for form in one.facts}
-    relations |= {form.relation for rule in program.rules for form in asserted_forms(rule.actions)}
+    relations |= {form.relation for rule in program.rules for form in asserted(rule)}
     for step in story.steps:
         for said in (*step.fires, *step.fires_not):
             if said.text not in rules:
