@@ -32,10 +32,15 @@ def find_rule_file(path: Path) -> Path:
 
 
 class RuleFileSet:
-    """Files that belong together, in order. Raises RuleError for one that is missing or cannot be read."""
+    """Files that belong together, in order. Raises RuleError for one that is missing or cannot be read, and for two of one name."""
 
     def __init__(self, paths: Iterable[Path]) -> None:
         self.paths = tuple(find_rule_file(path) for path in paths)
+        first: dict[str, Path] = {}
+        for path in self.paths:
+            if path.name in first:
+                raise RuleError(f"{path}: there is another '{path.name}' ({first[path.name]}); rename one of them")
+            first[path.name] = path
         self._stamps: tuple[Stamp | None, ...] = ()
 
     def changed(self) -> bool:
@@ -49,7 +54,7 @@ class RuleFileSet:
         read = []
         for path in self.paths:
             try:
-                read.append(RuleFile(name=path.name, text=path.read_text(encoding="utf-8")))
+                read.append(RuleFile(name=path.name, text=path.read_text(encoding="utf-8-sig")))
             except UnicodeDecodeError as error:
                 raise RuleError(f"{path}: byte {error.start} is no UTF-8; save the file as UTF-8 text") from None
             except OSError as error:

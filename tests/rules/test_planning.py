@@ -448,3 +448,17 @@ def test_rule_files_that_are_missing_are_refused(tmp_path: Path) -> None:
     binary = tmp_path / "b.clp"
     binary.write_bytes(b"(defrule \xff)")
     assert "no UTF-8" in start_error(tmp_path, [binary])
+
+
+def test_two_files_of_one_name_are_refused(tmp_path: Path) -> None:
+    paths = [tmp_path / folder / "mine.clp" for folder in ("a", "b")]
+    for path in paths:
+        path.parent.mkdir()
+        path.write_text("(deffacts start (a))", encoding="utf-8")
+    assert f"{paths[1]}: there is another 'mine.clp' ({paths[0]}); rename one of them" in start_error(tmp_path, paths)
+
+
+def test_a_mark_of_utf_8_at_the_beginning_is_no_part_of_the_rules(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, "\ufeff(deffacts start (a))")
+    bench.cycle()
+    assert bench.facts() == ["(a)"]
