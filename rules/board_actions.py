@@ -23,7 +23,7 @@ from blackboard.entry import Entry
 from blackboard.errors import did_you_mean
 from blackboard.kinds import FOCUS, MOTIVATION, SWITCH, Kind
 from blackboard.messages.control import Focus
-from blackboard.messages.motion import Motivation
+from blackboard.messages.motion import BehaviourStatus, Motivation
 from rules.language.errors import RuleError
 from rules.language.templates import kind_template, kind_templates
 from rules.language.values import FALSE, TRUE, FactAddress, Symbol, Value, written
@@ -49,7 +49,7 @@ class BoardActions:
         self._deeds: list[Deed] = []
         self._numbers: dict[str, int] = {}
         self._states: dict[str, tuple[float | str, ...]] = {}  # motivation states by behaviour
-        self._on: dict[str, bool] = {}
+        self._on: dict[str, bool] = {}  # as asked for, or else as its status says
         self._posted: set[str] = set()
         self.waiting: dict[str, tuple[int, float]] = {}  # by behaviour: the number asked for, and when
         self._late: set[str] = set()
@@ -75,9 +75,10 @@ class BoardActions:
         deeds, self._deeds = self._deeds, []
         return deeds
 
-    def acknowledged(self, behaviour: str, number: int) -> None:
-        """Take note that a behaviour has taken up a motivation."""
-        if number >= self.waiting[behaviour][0]:
+    def acknowledged(self, behaviour: str, status: BehaviourStatus) -> None:
+        """Take note of where a behaviour stands: it may have taken up a motivation, or have been selected from the start."""
+        self._on.setdefault(behaviour, status.selected)
+        if behaviour in self.waiting and status.acknowledged >= self.waiting[behaviour][0]:
             del self.waiting[behaviour]
             self._late.discard(behaviour)
 

@@ -107,8 +107,8 @@ class PlanningModule(Planner[PlanningParams]):
     def note(self, entry: Entry[Any]) -> None:
         if self._memory.looks_at(entry.key):
             self._changed[entry.key] = entry
-        if entry.id in self._actions.waiting and isinstance(entry.value, BehaviourStatus):
-            self._actions.acknowledged(str(entry.id), entry.value.acknowledged)
+        if isinstance(entry.value, BehaviourStatus):
+            self._actions.acknowledged(str(entry.id), entry.value)
 
     def decide(self, board: Access) -> None:
         self._actions.now_s = board.now_s

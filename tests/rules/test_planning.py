@@ -314,6 +314,14 @@ def test_motivate_prepares_what_select_uses(tmp_path: Path) -> None:
     assert bench.motivation("target_nav") == Motivation(on=True, number=2, parameters=(4.0, 5.0))
 
 
+def test_motivate_reaches_a_behaviour_that_was_selected_from_the_start(tmp_path: Path) -> None:
+    bench = Bench(tmp_path, "(defrule act (target) => (motivate target-nav 4 5))")
+    bench.acknowledge("target_nav", 0)  # its status: selected, nothing asked for yet
+    bench.target("frontier-1")
+    bench.cycle()
+    assert bench.motivation("target_nav") == Motivation(on=True, number=1, parameters=(4.0, 5.0))
+
+
 @pytest.mark.parametrize(
     ("action", "says"),
     [
