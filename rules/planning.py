@@ -218,19 +218,19 @@ class PlanningModule(Planner[PlanningParams]):
         engine = self._memory.engine
         engine.resume()
         for _ in range(self.params.firings_per_cycle):
-            facts = engine.facts()
-            waiting = engine.agenda()
-            if not waiting:
+            waiting = engine.waiting()
+            if waiting is None:
                 self._unfinished = False
                 return
-            matched = [facts.get(i) if i is not None else None for i in waiting[0].facts]
-            fired = engine.fire(waiting[0])
+            matched = [engine.fact(i) if i is not None else None for i in waiting.facts]
+            fired = engine.fire()
             if fired is None or self._settle(board, fired, matched):
-                self._unfinished = bool(engine.agenda())  # after a halt the rest waits for the next cycle
+                self._unfinished = engine.waiting() is not None  # after a halt the rest waits for the next cycle
                 return
-        name = engine.agenda()[0].rule if engine.agenda() else ""
-        self._unfinished = bool(name)
-        if name:
+        waiting = engine.waiting()
+        self._unfinished = waiting is not None
+        if waiting is not None:
+            name = waiting.rule
             text = f"{self.params.firings_per_cycle} rules fired in one cycle and there was no end; the next is {name}"
             standing = board.newest(RULE_ERROR, chunk(name))
             if standing is None or standing.value.text != text:  # it goes on: no news

@@ -120,6 +120,13 @@ class ClipsEngine(Engine):
     def agenda(self) -> Sequence[Activation]:
         return [self._activation(waiting) for waiting in self._clips.activations()]
 
+    def fact(self, index: int) -> FactValue | None:
+        return self._facts.values.get(index)
+
+    def waiting(self) -> Activation | None:
+        first = next(iter(self._clips.activations()), None)
+        return None if first is None else self._activation(first)
+
     def drop(self, activation: Activation) -> None:
         waiting = next(self._wanted(activation), None)
         if waiting is None:

@@ -81,6 +81,14 @@ class Engine(ABC):
         """Return the activations that wait, the next to fire first."""
 
     @abstractmethod
+    def fact(self, index: int) -> FactValue | None:
+        """Return the fact of this index; None where there is none. Unlike `facts` it costs the same however many stand."""
+
+    @abstractmethod
+    def waiting(self) -> Activation | None:
+        """Return the next activation to fire, None where none waits: the first of `agenda`, without reading the others."""
+
+    @abstractmethod
     def drop(self, activation: Activation) -> None:
         """Take an activation off the agenda without firing it; KeyError where it is not there."""
 

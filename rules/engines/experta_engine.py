@@ -65,6 +65,13 @@ class ExpertaEngine(Engine):
     def agenda(self) -> Sequence[Activation]:
         return [_shown(waiting) for waiting in reversed(self._base.agenda.activations)]
 
+    def fact(self, index: int) -> FactValue | None:
+        return self._memory.fact(index)
+
+    def waiting(self) -> Activation | None:
+        activations = self._base.agenda.activations
+        return _shown(activations[-1]) if activations else None
+
     def drop(self, activation: Activation) -> None:
         if self._base.take(_is(activation)) is None:
             raise KeyError(activation)

@@ -9,6 +9,7 @@ and ids are symbols (a space in them becomes `-`; one that is all digits is an i
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import msgspec
@@ -110,6 +111,7 @@ def kind_template(name: str, templates: Mapping[str, KindTemplate]) -> KindTempl
     return by_name[name]
 
 
+@cache  # it follows from the kind alone, and a start or a reload asks several times
 def _template(kind: Kind[Any], name: str) -> KindTemplate:
     fields = tuple(_fields(kind.type, ()))
     head = [Slot("id")] if kind.collection else []

@@ -66,6 +66,19 @@ def test_importing_experta_leaves_nothing_behind() -> None:
     assert not [one for one in logging.getLogger().handlers if type(one) is logging.StreamHandler]
 
 
+def test_one_fact_and_the_next_activation_are_those_of_the_whole(started: Start) -> None:
+    engine = started("(defrule any (a ?x) =>) (defrule urgent (declare (salience 5)) (a 1) =>)")
+    assert engine.waiting() is None
+    indices = [engine.assert_fact(fact("a", number)) for number in (1, 2)]
+    assert {index: engine.fact(index) for index in indices if index is not None} == dict(engine.facts())
+    assert engine.fact(99) is None
+    while (waiting := engine.waiting()) is not None:
+        assert waiting == engine.agenda()[0]
+        fired = engine.fire()
+        assert fired is not None
+        assert fired.activation == waiting
+
+
 def test_order_is_salience_then_newest_then_definition(started: Start) -> None:
     engine = started(
         """
