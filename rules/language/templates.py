@@ -15,7 +15,7 @@ from typing import Any
 import msgspec
 
 from blackboard.entry import Entry
-from blackboard.errors import MessageError, did_you_mean
+from blackboard.errors import did_you_mean
 from blackboard.kinds import Kind
 from blackboard.messages.geometry import PackedArray
 from rules.language.errors import RuleError
@@ -60,20 +60,33 @@ class KindTemplate:
 
     def value(self, slots: Mapping[str, Value]) -> Any:
         """Return the message that these slots say. Raises RuleError for an unknown slot or an unfit value."""
+        try:
+            return self.revised({}, slots)
+        except msgspec.ValidationError as error:
+            raise RuleError(f"post: '{self.template.name}': {plainly(error)}") from None
+
+    def revised(self, plain: dict[str, Any], slots: Mapping[str, Value]) -> Any:
+        """Return the message of a value as plain data with these slots over it.
+
+        Raises RuleError for an unknown slot, msgspec.ValidationError where the message would be unfit.
+        """
         by_slot = {field.slot.name: field for field in self.fields}
-        plain: dict[str, Any] = {}
         for name, given in slots.items():
             field = by_slot.get(name)
             if field is None:
                 raise RuleError(f"'{self.template.name}' has no slot '{name}' to post{did_you_mean(name, by_slot)}")
             place = plain
             for step in field.path[:-1]:
-                place = place.setdefault(step, {})
+                if place.get(step) is None:  # a record that was not given, or is nothing
+                    place[step] = {}
+                place = place[step]
             place[field.path[-1]] = plain_value(field, given)
-        try:
-            return msgspec.convert(plain, self.kind.type)
-        except (msgspec.ValidationError, MessageError) as error:
-            raise RuleError(f"post: '{self.template.name}': {str(error).replace('`', '').replace('$.', '')}") from None
+        return msgspec.convert(plain, self.kind.type)
+
+
+def plainly(error: msgspec.ValidationError) -> str:
+    """Return what msgspec says of an unfit value without its marks."""
+    return str(error).replace("`", "").replace("$.", "")
 
 
 def symbol(word: str) -> Symbol:

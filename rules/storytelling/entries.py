@@ -7,9 +7,8 @@ import msgspec
 from msgspec import inspect
 
 from blackboard.entry import Entry
-from blackboard.errors import MessageError
 from rules.language.errors import RuleError
-from rules.language.templates import KindTemplate, plain_value
+from rules.language.templates import KindTemplate, plainly
 from rules.language.values import Value
 
 ORIGIN = ("id", "key", "stamp-s")
@@ -18,21 +17,10 @@ ORIGIN = ("id", "key", "stamp-s")
 def revised(made: KindTemplate, slots: Mapping[str, Value], standing: Entry[Any] | None) -> Any:
     """Return the message that these slots make of what stands, or of nothing in particular. Raises RuleError."""
     plain = msgspec.to_builtins(standing.value if standing is not None else neutral(made))
-    by_slot = {field.slot.name: field for field in made.fields}
-    for name, value in slots.items():
-        if name in ORIGIN:
-            continue
-        field = by_slot[name]  # the reader has refused any other
-        place = plain
-        for step in field.path[:-1]:
-            if place.get(step) is None:
-                place[step] = {}
-            place = place[step]
-        place[field.path[-1]] = plain_value(field, value)
     try:
-        return msgspec.convert(plain, made.kind.type)
-    except (msgspec.ValidationError, MessageError) as error:
-        raise RuleError(f"'{made.template.name}': {str(error).replace('`', '').replace('$.', '')}") from None
+        return made.revised(plain, {name: value for name, value in slots.items() if name not in ORIGIN})
+    except msgspec.ValidationError as error:
+        raise RuleError(f"'{made.template.name}': {plainly(error)}") from None
 
 
 def neutral(made: KindTemplate) -> Any:
