@@ -1,35 +1,18 @@
 """The planning module on a board: entries become facts, rules fire, and what they ask for stands on the board."""
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 import pytest
 
-from blackboard.board import Board
 from blackboard.component import Parts
-from blackboard.entry import Entry
 from blackboard.errors import SkiError
-from blackboard.kinds import (
-    BEHAVIOUR,
-    COMMUNICATION_ERROR,
-    FACT,
-    FIRING,
-    FOCUS,
-    MISSION,
-    MOTIVATION,
-    RULE_ERROR,
-    RULES,
-    SWITCH,
-    TARGET,
-)
-from blackboard.messages.control import Firing
-from blackboard.messages.geometry import Point
-from blackboard.messages.motion import BehaviourStatus, Motivation, Switch
+from blackboard.kinds import COMMUNICATION_ERROR, FACT, FOCUS, MISSION, MOTIVATION, RULE_ERROR, RULES, SWITCH, TARGET
+from blackboard.messages.motion import Motivation, Switch
 from blackboard.messages.symbols import Target
-from blackboard.planning import Planning
-from blackboard.vocabulary import Vocabulary
-from rules.planning import PlanningModule, PlanningParams
+
+BenchOf = Callable[..., Any]
 
 # Bou-Ghannam 1992, appendix A1.2, with what it speaks of: the scan at the tenth position is over, a frontier was found there.
 THESIS = """
@@ -48,60 +31,9 @@ THESIS = """
     (behavior-select "target-nav" "ON" ?xt ?yt) )
 """
 
-VOCABULARY = Vocabulary()
-PARTS = Parts(
-    behaviours={"target_nav": (("x_m", "y_m"), 0), "random_wander": ((), 0)},
-    levels=["explore"],
-    sources={"line_finder": 10.0},
-    vocabulary=VOCABULARY,
-    owners={TARGET.path: "frontier_targets"},
-)
 
-
-class Bench:
-    """A board with one planning module on it, and a clock that is moved by hand."""
-
-    def __init__(self, folder: Path, *texts: str, parts: Parts = PARTS, **params: object) -> None:
-        self.paths = [folder / f"rules{i}.clp" for i in range(len(texts))]
-        for path, text in zip(self.paths, texts, strict=True):
-            path.write_text(text, encoding="utf-8")
-        self.board = Board(VOCABULARY, robot="k2a")
-        module = PlanningModule(PlanningParams(files=tuple(self.paths), **params), name="rules")  # type: ignore[arg-type]
-        self.planning = Planning(self.board, module, parts, strict=True)
-
-    def cycle(self, seconds: float = 0.1) -> None:
-        """Let a control cycle pass."""
-        self.board.now_s += seconds
-        self.planning.decide()
-
-    def target(self, name: str, x_m: float = 1.0) -> Entry[Target]:
-        place = Point(x_m=x_m, y_m=0.0)
-        value = Target(place=place, stand=place, reason="line end", size_m=1.0)
-        return self.board.post(TARGET, value, id=name, source="frontier_targets")
-
-    def facts(self) -> list[str]:
-        """Return what rules have asserted and nobody has retracted."""
-        return [entry.value.fact for entry in self.board.entries(FACT)]
-
-    def firings(self) -> list[str]:
-        return [entry.value.rule for entry in sorted(self.board.entries(FIRING), key=lambda e: e.value.number)]
-
-    def firing(self, rule: str) -> Entry[Firing]:
-        entry = self.board.newest(FIRING, rule)
-        assert entry is not None
-        return entry
-
-    def acknowledge(self, behaviour: str, number: int) -> None:
-        status = BehaviourStatus(state="active", acknowledged=number)
-        self.board.post(BEHAVIOUR, status, id=behaviour, source=behaviour)
-
-    def motivation(self, behaviour: str) -> Motivation | None:
-        entry = self.board.newest(MOTIVATION, behaviour)
-        return entry.value if entry is not None else None
-
-
-def test_the_rule_of_the_thesis_runs_as_printed(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, THESIS)
+def test_the_rule_of_the_thesis_runs_as_printed(bench_of: BenchOf) -> None:
+    bench = bench_of(THESIS)
     bench.cycle()
     assert bench.motivation("target_nav") == Motivation(on=True, number=1, parameters=(3.5, 1.25))
     assert bench.facts() == ["(position-index 10)", "(target 3.5 1.25)"]
@@ -123,18 +55,18 @@ def test_the_rule_of_the_thesis_runs_as_printed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("engine", ["experta", "clips"])
-def test_both_engines_do_the_same(tmp_path: Path, engine: str) -> None:
+def test_both_engines_do_the_same(bench_of: BenchOf, engine: str) -> None:
     if engine == "clips":
         pytest.importorskip("clips")
-    bench = Bench(tmp_path, THESIS, engine=engine)
+    bench = bench_of(THESIS, engine=engine)
     bench.cycle()
     assert bench.motivation("target_nav") == Motivation(on=True, number=1, parameters=(3.5, 1.25))
     assert bench.facts() == ["(position-index 10)", "(target 3.5 1.25)"]
 
 
-def test_a_missing_acknowledgement_becomes_a_fact_until_it_comes(tmp_path: Path) -> None:
+def test_a_missing_acknowledgement_becomes_a_fact_until_it_comes(bench_of: BenchOf) -> None:
     silent = "(defrule silent (communication-error (id ?b) (number ?n)) => (assert (silent ?b ?n)))"
-    bench = Bench(tmp_path, THESIS, silent, acknowledge_s=0.5)
+    bench = bench_of(THESIS, silent, acknowledge_s=0.5)
     bench.cycle()
     bench.cycle(0.4)
     assert bench.board.entries(COMMUNICATION_ERROR) == []
@@ -148,8 +80,8 @@ def test_a_missing_acknowledgement_becomes_a_fact_until_it_comes(tmp_path: Path)
     assert bench.board.entries(COMMUNICATION_ERROR) == []
 
 
-def test_an_acknowledgement_in_time_is_no_error(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, THESIS, acknowledge_s=0.5)
+def test_an_acknowledgement_in_time_is_no_error(bench_of: BenchOf) -> None:
+    bench = bench_of(THESIS, acknowledge_s=0.5)
     bench.cycle()
     bench.acknowledge("target_nav", 1)
     bench.cycle(2.0)
@@ -162,8 +94,8 @@ COUNT = """
 """
 
 
-def test_only_a_change_of_what_rules_look_at_is_news(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, COUNT)
+def test_only_a_change_of_what_rules_look_at_is_news(bench_of: BenchOf) -> None:
+    bench = bench_of(COUNT)
     first = bench.target("frontier-1")
     bench.cycle()
     assert bench.facts() == ["(seen frontier-1 1.0)"]
@@ -184,8 +116,8 @@ def replace_size(target: Target) -> Target:
     return Target(place=target.place, stand=target.stand, reason=target.reason, size_m=9.0)
 
 
-def test_why_goes_from_a_fact_through_its_firing_to_the_entry(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, COUNT, "(defrule go (seen ?t ?x) => (behaviour-select target-nav on ?x 0))")
+def test_why_goes_from_a_fact_through_its_firing_to_the_entry(bench_of: BenchOf) -> None:
+    bench = bench_of(COUNT, "(defrule go (seen ?t ?x) => (behaviour-select target-nav on ?x 0))")
     target = bench.target("frontier-1", 3.0)
     bench.cycle()
     go = bench.firing("go")
@@ -195,9 +127,8 @@ def test_why_goes_from_a_fact_through_its_firing_to_the_entry(tmp_path: Path) ->
     assert bench.firing("see").supports == (target.as_support(),)
 
 
-def test_what_a_rule_raises_is_told_and_the_others_go_on(tmp_path: Path) -> None:
-    bench = Bench(
-        tmp_path,
+def test_what_a_rule_raises_is_told_and_the_others_go_on(bench_of: BenchOf) -> None:
+    bench = bench_of(
         "(deffacts start (a 0) (b))"
         "(defrule divide (declare (salience 1)) (a ?x) => (assert (before)) (assert (c (/ 1 ?x))) (assert (after)))"
         "(defrule other (b) => (assert (fine)))"
@@ -214,13 +145,13 @@ def test_what_a_rule_raises_is_told_and_the_others_go_on(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     "condition", ["(a ?x) (test (> ?x 0))", "(a ?x&:(> ?x 0))", "(z) (a ?x) (not (z ?y&:(> ?x 0)))"]
 )
-def test_a_condition_that_cannot_be_evaluated_is_told(tmp_path: Path, condition: str) -> None:
+def test_a_condition_that_cannot_be_evaluated_is_told(bench_of: BenchOf, condition: str) -> None:
     rules = (
         "(deffacts start (a x) (z) (z 1))\n"
         "(defrule first (a x) => (assert (b)))\n"
         f"(defrule more {condition} => (assert (big ?x)))"
     )
-    bench = Bench(tmp_path, rules)
+    bench = bench_of(rules)
     bench.cycle()
     assert "(big x)" not in bench.facts()
     [error] = bench.board.entries(RULE_ERROR)
@@ -232,9 +163,9 @@ def test_a_condition_that_cannot_be_evaluated_is_told(tmp_path: Path, condition:
     assert bench.board.entries(RULE_ERROR) == [error]  # told once
 
 
-def test_an_endless_loop_is_cut_off_and_told(tmp_path: Path) -> None:
+def test_an_endless_loop_is_cut_off_and_told(bench_of: BenchOf) -> None:
     loop = "(deffacts start (n 0)) (defrule loop ?n <- (n ?x) => (retract ?n) (assert (n (+ ?x 1))))"
-    bench = Bench(tmp_path, loop, firings_per_cycle=50)
+    bench = bench_of(loop, firings_per_cycle=50)
     bench.cycle()
     assert bench.facts() == ["(n 50)"]
     error = bench.board.newest(RULE_ERROR, "loop")
@@ -244,12 +175,12 @@ def test_an_endless_loop_is_cut_off_and_told(tmp_path: Path) -> None:
     assert bench.facts() == ["(n 100)"]  # and the robot lives on
 
 
-def test_halt_ends_the_cycle_only(tmp_path: Path) -> None:
+def test_halt_ends_the_cycle_only(bench_of: BenchOf) -> None:
     rules = """
     (deffacts start (go))
     (defrule stop (declare (salience 1)) (go) => (halt))
     (defrule later (go) => (assert (went)))"""
-    bench = Bench(tmp_path, rules)
+    bench = bench_of(rules)
     bench.cycle()
     assert bench.facts() == ["(go)"]
     bench.target("frontier-1")
@@ -257,8 +188,8 @@ def test_halt_ends_the_cycle_only(tmp_path: Path) -> None:
     assert bench.facts() == ["(go)", "(went)"]
 
 
-def act(tmp_path: Path, *actions: str, parts: Parts = PARTS) -> Bench:
-    bench = Bench(tmp_path, f"(defrule act (target (id ?t)) => {' '.join(actions)})", parts=parts)
+def act(bench_of: BenchOf, *actions: str) -> Any:
+    bench = bench_of(f"(defrule act (target (id ?t)) => {' '.join(actions)})")
     for name in ("target_nav", "explore"):
         bench.board.post(SWITCH, Switch(threshold=0.2), id=name, source="rules")
     bench.target("frontier-1")
@@ -266,8 +197,8 @@ def act(tmp_path: Path, *actions: str, parts: Parts = PARTS) -> Bench:
     return bench
 
 
-def test_rules_set_switches_and_ratings(tmp_path: Path) -> None:
-    bench = act(tmp_path, "(set-gain target-nav 0.5)", "(set-threshold explore 1)", "(focus line-finder 55)")
+def test_rules_set_switches_and_ratings(bench_of: BenchOf) -> None:
+    bench = act(bench_of, "(set-gain target-nav 0.5)", "(set-threshold explore 1)", "(focus line-finder 55)")
     nav, level, focus = (
         bench.board.newest(SWITCH, "target_nav"),
         bench.board.newest(SWITCH, "explore"),
@@ -281,20 +212,20 @@ def test_rules_set_switches_and_ratings(tmp_path: Path) -> None:
     assert (focus.value.rating, focus.value.enabled) == (55.0, True)
 
 
-def test_a_source_can_be_put_to_rest_and_keeps_its_rating(tmp_path: Path) -> None:
-    bench = act(tmp_path, "(focus line_finder off)")
+def test_a_source_can_be_put_to_rest_and_keeps_its_rating(bench_of: BenchOf) -> None:
+    bench = act(bench_of, "(focus line_finder off)")
     focus = bench.board.newest(FOCUS, "line_finder")
     assert focus is not None
     assert (focus.value.rating, focus.value.enabled) == (10.0, False)
 
 
-def test_rules_post_and_take_back_what_they_posted(tmp_path: Path) -> None:
-    bench = act(tmp_path, '(post (mission (state given-up) (detail "enough")))')
+def test_rules_post_and_take_back_what_they_posted(bench_of: BenchOf) -> None:
+    bench = act(bench_of, '(post (mission (state given-up) (detail "enough")))')
     mission = bench.board.newest(MISSION)
     assert mission is not None
     assert (mission.value.state, mission.value.detail) == ("given up", "enough")
     bench = act(
-        tmp_path,
+        bench_of,
         "(post (target (id own) (place-x-m 1) (place-y-m 2) (stand-x-m 1) (stand-y-m 2) (reason frontier) (size-m 1)))",
         "(retract-entry ski/k2a/hypotheses/symbol/target/own)",
     )
@@ -305,17 +236,17 @@ def test_rules_post_and_take_back_what_they_posted(tmp_path: Path) -> None:
     ]
 
 
-def test_motivate_prepares_what_select_uses(tmp_path: Path) -> None:
-    bench = act(tmp_path, "(motivate target-nav 4 5)")
+def test_motivate_prepares_what_select_uses(bench_of: BenchOf) -> None:
+    bench = act(bench_of, "(motivate target-nav 4 5)")
     assert bench.motivation("target_nav") is None
-    bench = act(tmp_path, "(motivate target-nav 4 5)", "(behaviour-select target-nav on)")
+    bench = act(bench_of, "(motivate target-nav 4 5)", "(behaviour-select target-nav on)")
     assert bench.motivation("target_nav") == Motivation(on=True, number=1, parameters=(4.0, 5.0))
-    bench = act(tmp_path, "(behaviour-select target-nav on 1 2)", "(motivate target-nav 4 5)")
+    bench = act(bench_of, "(behaviour-select target-nav on 1 2)", "(motivate target-nav 4 5)")
     assert bench.motivation("target_nav") == Motivation(on=True, number=2, parameters=(4.0, 5.0))
 
 
-def test_motivate_reaches_a_behaviour_that_was_selected_from_the_start(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, "(defrule act (target) => (motivate target-nav 4 5))")
+def test_motivate_reaches_a_behaviour_that_was_selected_from_the_start(bench_of: BenchOf) -> None:
+    bench = bench_of("(defrule act (target) => (motivate target-nav 4 5))")
     bench.acknowledge("target_nav", 0)  # its status: selected, nothing asked for yet
     bench.target("frontier-1")
     bench.cycle()
@@ -333,140 +264,27 @@ def test_motivate_reaches_a_behaviour_that_was_selected_from_the_start(tmp_path:
         ("(retract-entry ?t)", "no rule has posted 'frontier-1'"),
     ],
 )
-def test_what_cannot_be_done_is_told_in_one_line(tmp_path: Path, action: str, says: str) -> None:
-    bench = act(tmp_path, action)
+def test_what_cannot_be_done_is_told_in_one_line(bench_of: BenchOf, action: str, says: str) -> None:
+    bench = act(bench_of, action)
     [error] = bench.board.entries(RULE_ERROR)
     assert says in error.value.text
     assert "\n" not in error.value.text
 
 
-def test_a_kind_with_an_owner_is_not_posted_by_rules(tmp_path: Path) -> None:
-    parts = replace(PARTS, owners={"hypotheses/feature/route": "routes"})
+def test_a_kind_with_an_owner_is_not_posted_by_rules(bench_of: BenchOf, parts: Parts) -> None:
+    owned = replace(parts, owners={"hypotheses/feature/route": "routes"})
     with pytest.raises(SkiError, match=r"rules0.clp:1:31: post: 'route' is posted by routes already; only one may"):
-        Bench(
-            tmp_path,
+        bench_of(
             "(defrule r (target (id ?)) => (post (route (state none) (goal-x-m 1) (goal-y-m 1))))",
-            parts=parts,
+            parts=owned,
         )
 
 
-def test_rules_that_ask_for_the_time_are_told_it(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, "(defrule late (clock (time-s ?t&:(>= ?t 2))) => (assert (late)))", clock_s=1.0)
+def test_rules_that_ask_for_the_time_are_told_it(bench_of: BenchOf) -> None:
+    bench = bench_of("(defrule late (clock (time-s ?t&:(>= ?t 2))) => (assert (late)))", clock_s=1.0)
     for _ in range(15):
         bench.cycle()
     assert bench.facts() == []
     for _ in range(10):
         bench.cycle()
     assert bench.facts() == ["(late)"]
-
-
-def rewrite(path: Path, text: str) -> None:
-    """Change a file so that its time or size tells."""
-    path.write_text(text + "\n" * (len(path.read_text(encoding="utf-8")) + 1), encoding="utf-8")
-
-
-RELOADED = """
-(deffacts start (mode wander) (count 0))
-(defrule once (mode wander) ?c <- (count ?n) (target (id ?t)) => (retract ?c) (assert (met ?t)))
-"""
-
-
-@pytest.mark.parametrize("engine", ["experta", "clips"])
-def test_a_changed_file_takes_over_without_losing_facts_or_firing_again(tmp_path: Path, engine: str) -> None:
-    if engine == "clips":
-        pytest.importorskip("clips")
-    bench = Bench(tmp_path, RELOADED, reload_s=0.1, engine=engine)
-    bench.target("frontier-1")
-    bench.cycle()
-    assert sorted(bench.facts()) == ["(met frontier-1)", "(mode wander)"]
-    rewrite(bench.paths[0], RELOADED + "(defrule new (met ?t) (target (id ?t) (place-x-m ?x)) => (assert (new ?t ?x)))")
-    bench.cycle(1.0)
-    assert sorted(bench.facts()) == ["(met frontier-1)", "(mode wander)", "(new frontier-1 1.0)"]
-    assert bench.firing("once").revision == 1
-    rules = bench.board.newest(RULES)
-    assert rules is not None
-    assert (rules.revision, rules.value.refused) == (2, "")
-    assert "defrule new" in rules.value.files[0].text
-
-
-def test_a_rule_that_has_fired_does_not_fire_again_on_the_same_facts(tmp_path: Path) -> None:
-    fire = "(defrule fire (target (id ?t)) => (assert (fired ?t)))"
-    bench = Bench(tmp_path, fire, reload_s=0.1)
-    bench.target("frontier-1")
-    bench.cycle()
-    rewrite(bench.paths[0], fire + " (defrule other (never) => (halt))")
-    bench.cycle(1.0)
-    assert bench.firing("fire").revision == 1
-    rewrite(bench.paths[0], fire.replace("fired", "noticed"))
-    bench.cycle(1.0)
-    assert bench.firing("fire").revision == 2  # the rule itself has changed: it looks afresh
-    assert "(noticed frontier-1)" in bench.facts()
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("(defrule broken (mode wander) => (assert (x)", "rules0.clp:1"),
-        ("(defrule wrong (targett (id ?t)) => (assert (x)))", ""),
-        (
-            "(deftemplate mode (slot is)) (defrule r (mode (is wander)) => (assert (x)))",
-            "the fact (mode wander) stands, but",
-        ),
-        (
-            "(defrule p (mode wander) => (post (trap (id a) (trap cycling) (place-x-m 0) (place-y-m 0) (size-m 1))))",
-            "did not; run anew",
-        ),
-    ],
-)
-def test_a_bad_file_is_refused_and_the_old_rules_stay(tmp_path: Path, text: str, says: str) -> None:
-    bench = Bench(tmp_path, RELOADED, reload_s=0.1)
-    bench.cycle()
-    if not says:  # an unknown relation is no fault: users make their own
-        return
-    rewrite(bench.paths[0], text)
-    bench.cycle(1.0)
-    rules = bench.board.newest(RULES)
-    assert rules is not None
-    assert says in rules.value.refused
-    assert "\n" not in rules.value.refused
-    assert rules.value.files[0].text == RELOADED
-    bench.target("frontier-1")
-    bench.cycle(1.0)
-    assert "(met frontier-1)" in bench.facts()
-
-
-def test_a_file_that_is_gone_for_a_moment_is_no_change(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, RELOADED, reload_s=0.1)
-    bench.cycle()
-    bench.paths[0].unlink()
-    bench.cycle(1.0)
-    rules = bench.board.newest(RULES)
-    assert rules is not None
-    assert rules.revision == 1
-
-
-def start_error(tmp_path: Path, names: Sequence[Path]) -> str:
-    with pytest.raises(SkiError) as caught:
-        PlanningModule(PlanningParams(files=tuple(names)), name="rules")
-    return str(caught.value)
-
-
-def test_rule_files_that_are_missing_are_refused(tmp_path: Path) -> None:
-    assert "there is no rule file 'explor'; did you mean 'explore'?" in start_error(tmp_path, [Path("explor")])
-    binary = tmp_path / "b.clp"
-    binary.write_bytes(b"(defrule \xff)")
-    assert "no UTF-8" in start_error(tmp_path, [binary])
-
-
-def test_two_files_of_one_name_are_refused(tmp_path: Path) -> None:
-    paths = [tmp_path / folder / "mine.clp" for folder in ("a", "b")]
-    for path in paths:
-        path.parent.mkdir()
-        path.write_text("(deffacts start (a))", encoding="utf-8")
-    assert f"{paths[1]}: there is another 'mine.clp' ({paths[0]}); rename one of them" in start_error(tmp_path, paths)
-
-
-def test_a_mark_of_utf_8_at_the_beginning_is_no_part_of_the_rules(tmp_path: Path) -> None:
-    bench = Bench(tmp_path, "\ufeff(deffacts start (a))")
-    bench.cycle()
-    assert bench.facts() == ["(a)"]
