@@ -14,6 +14,7 @@ from blackboard.history import HistoryParams
 from blackboard.key_expressions import is_chunk
 from blackboard.loading import component_name, load_class
 from blackboard.parameters import parse_parameters, require
+from blackboard.placement import PREFIX, HostTable, placement, read_hosts
 from blackboard.toml_file import Place, TomlFile, read_toml
 
 PLANNER = "rules.planning:PlanningModule"
@@ -81,9 +82,21 @@ class Mission:
     safety: Spec | None = None
     control: ControlParams = field(default_factory=ControlParams)
     history: HistoryParams = field(default_factory=HistoryParams)
+    hosts: tuple[HostTable, ...] = ()  # what runs in which process; `placement` makes it whole
 
 
-TABLES = ("mission", "robot", "knowledge_source", "behaviour", "coordinator", "rules", "safety", "control", "history")
+TABLES = (
+    "mission",
+    "robot",
+    "knowledge_source",
+    "behaviour",
+    "coordinator",
+    "rules",
+    "safety",
+    "control",
+    "history",
+    "hosts",
+)
 
 
 def shipped_missions() -> dict[str, Path]:
@@ -148,9 +161,11 @@ def load_mission(path: Path, settings: Mapping[str, Mapping[str, Any]] | None = 
         safety=reader.component("safety", SafetyLayer, only_use=SAFETY),
         control=parse_parameters(ControlParams, reader.table("control"), file.place("control")),
         history=parse_parameters(HistoryParams, reader.table("history"), file.place("history")),
+        hosts=read_hosts(file, settings or {}),
     )
     reader.check_all_used()
     _check_names(mission)
+    placement(mission)
     return mission
 
 
@@ -203,7 +218,7 @@ class _Reader:
     def check_all_used(self) -> None:
         """Raise MissionError for a setting that belongs to nothing in the mission."""
         for name in self._settings:
-            if name not in self._names:
+            if name not in self._names and not name.startswith(PREFIX):
                 raise MissionError(
                     f"--set {name}...: the mission has no component '{name}'{did_you_mean(name, self._names)}"
                 )
