@@ -32,6 +32,10 @@ class OutputError(SkiError):
     """Results cannot be written where they were asked for."""
 
 
+class LinkError(SkiError):
+    """A process cannot speak with the board's keeper: a wrong address, nobody there, no keys or the wrong ones."""
+
+
 class ComponentFailed(SkiError):
     """A component raised while running under `--strict`."""
 

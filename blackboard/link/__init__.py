@@ -1,0 +1,1 @@
+"""The board across processes and machines: what goes over zenoh, and how."""
