@@ -95,6 +95,10 @@ class PlanningModule(Planner[PlanningParams]):
     def posts(self) -> tuple[Kind[Any], ...]:  # type: ignore[override]
         return tuple(dict.fromkeys((*OWN, *self._posted)))
 
+    @property
+    def reads(self) -> tuple[Kind[Any], ...]:  # type: ignore[override]
+        return tuple(self._memory.kinds)  # once started: it follows from the rules
+
     def start(self, parts: Parts) -> None:
         self._parts = parts
         program = self._program(self._texts)

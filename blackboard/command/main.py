@@ -12,6 +12,7 @@ VERBS = {
     "map": "build a map from a recording",
     "lines": "find the lines in a map of points, such as an ARIA map",
     "check": "check a mission file without running it",
+    "graph": "show who posts and reads what in a mission",
     "vocabulary": "print every kind of entry, with its JSON Schema",
     "why": "explain an entry of a run, down to the readings",
     "find": "find objects of a run by kind, place, name or description, and what a place is part of",
