@@ -1,10 +1,12 @@
 """The blackboard: entries by key, posted, revised, retracted, endorsed, read, and watched.
 
-Local link: everything in one process, in lock-step. Whoever posts sees its subscribers called before `post` returns; they must
-only take note (the control module puts an activation record on its agenda), so posts never nest.
+Whoever posts sees its subscribers called before `post` returns; they must only take note (the control module puts an activation
+record on its agenda), so posts never nest. In an embedded run there is one board, in lock-step. Across processes each has a
+replica: what is posted there goes to `outgoing`, and what others have posted comes in by `accept`.
 """
 
-from collections.abc import Callable
+from collections import OrderedDict
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 from msgspec.structs import replace
@@ -14,6 +16,7 @@ from blackboard.errors import BoardError
 from blackboard.history import History, HistoryParams
 from blackboard.key_expressions import check_expression, is_chunk, matches
 from blackboard.kinds import Kind
+from blackboard.link.merge import NEVER, life_of, merged
 from blackboard.messages.base import Message
 from blackboard.uncertainty.endorsements import standing as still_standing
 from blackboard.vocabulary import Vocabulary, checked
@@ -22,11 +25,15 @@ M = TypeVar("M", bound=Message)
 Area = tuple[float, float, float, float]
 Watcher = Callable[[Entry[Any]], None]
 Journal = Callable[[Entry[Any], bytes], None]
+Outgoing = Callable[[Kind[Any], Entry[Any], bytes], None]
+MAX_GONE = 10_000  # retracted keys that a replica remembers, so that nothing old brings them back
 MAX_ENDORSEMENTS = 500  # of one entry; of an endless back and forth the newest are kept
 
 
 class Board:
-    """One robot's board. `journal`, where set, is told of every recorded post with its value's JSON, in order."""
+    """One robot's board. `journal`, where set, is told of every recorded post with its value's JSON, in order; `outgoing`, where
+    set, of every post of this process, recorded or not.
+    """
 
     def __init__(
         self,
@@ -44,6 +51,8 @@ class Board:
         self.posts = 0
         self.history = History(history or HistoryParams())
         self.journal = journal
+        self.outgoing: Outgoing | None = None
+        self._gone: OrderedDict[str, Entry[Any]] = OrderedDict()  # retractions seen, where there are other replicas
         self._standing: dict[str, Entry[Any]] = {}
         self._members: dict[str, dict[str, str]] = {}  # path of a collection: id to key, in order of posting
         self._owners: dict[str, str] = {}
@@ -147,13 +156,18 @@ class Board:
         endorsements: tuple[Endorsement, ...] = ()
         if standing is None:
             self._claim(kind, key, source)
-            revision = self.history.last_revision(key) + 1
+            gone = self._gone.get(key)
+            revision = max(self.history.last_revision(key), gone.revision if gone is not None else 0) + 1
+            if gone is not None:
+                stamp = max(stamp, gone.stamp_s)
             if kind.collection and id is not None:
                 self._members.setdefault(kind.path, {})[id] = key
         else:
             if standing.source != source and self._owners[key] != source:
                 raise BoardError(f"{key} belongs to {self._owners[key]}; {source} may endorse it, not post it")
             revision, event, endorsements = standing.revision + 1, "revised", standing.endorsements
+        if standing is not None and stamp < standing.stamp_s and self.outgoing is not None:
+            stamp = standing.stamp_s  # another host's clock, a little ahead
         if standing is not None and stamp < standing.stamp_s:
             raise BoardError(
                 f"{key}: stamp {stamp:.6f} s is older than the standing revision's {standing.stamp_s:.6f} s"
@@ -181,14 +195,12 @@ class Board:
             raise BoardError(f"{key}: nothing stands there to be retracted")
         if self._owners[key] != source:
             raise BoardError(f"{key} belongs to {self._owners[key]}; {source} may endorse it, not retract it")
-        del self._standing[key]
-        del self._owners[key]
-        if id is not None:
-            del self._members[kind.path][id]
-        self._keys.pop((kind.path, id), None)
+        self._remove(kind, key, id)
         entry = _next(standing, event="retracted", stamp_s=max(self.now_s, standing.stamp_s), source=source)
         self._publish(kind, entry, checked(kind, key, entry.value)[1])
         self._watching.pop(key, None)
+        if self.outgoing is not None:
+            self._note_gone(entry)
 
     def endorse(
         self, key: str, *, who: str, verdict: Verdict, why: str, about: str = "", strength: Strength = "fair"
@@ -207,6 +219,62 @@ class Board:
         self._publish(kind, entry, checked(kind, key, entry.value)[1])
         return entry
 
+    # Other replicas
+
+    def accept(self, entry: Entry[Any]) -> Entry[Any] | None:
+        """Take in what another process posted; return what stands now, None where that was known already.
+
+        Subscribers are called as for a post of this process. The value must have been checked against its kind.
+        """
+        entry_or_none = self._install(entry)
+        if entry_or_none is not None:
+            self._tell(self.vocabulary.parse_key(entry.key)[1], entry_or_none)
+        return entry_or_none
+
+    def load(self, entries: Iterable[Entry[Any]]) -> None:
+        """Take in what stood before this process joined, retractions too. Nobody is told."""
+        for entry in entries:
+            installed = self._install(entry)
+            if installed is not None:
+                self.history.add(installed, member=installed.id is not None)
+
+    def _install(self, come: Entry[Any]) -> Entry[Any] | None:
+        key = come.key
+        kind, member = self.vocabulary.parse_key(key)[1:]
+        standing, gone = self._standing.get(key), self._gone.get(key)
+        known = standing if standing is not None else gone
+        life_s = life_of(gone.stamp_s if gone is not None else NEVER, come)
+        entry = merged(known, come, life_s)
+        if come.event == "retracted":
+            self._note_gone(come if gone is None else merged(gone, come))
+        if entry is known:
+            return None
+        if entry.event == "retracted":
+            if standing is None:
+                return None
+            self._remove(kind, key, member)
+            return entry
+        if standing is None and kind.collection and member is not None:
+            self._members.setdefault(kind.path, {})[member] = key
+        self._standing[key] = entry
+        self._owners[key] = entry.source
+        if not kind.shared:
+            self._owners[kind.path] = entry.source
+        return entry
+
+    def _note_gone(self, entry: Entry[Any]) -> None:
+        self._gone[entry.key] = entry
+        self._gone.move_to_end(entry.key)
+        while len(self._gone) > MAX_GONE:
+            self._gone.popitem(last=False)
+
+    def _remove(self, kind: Kind[Any], key: str, id: str | None) -> None:
+        del self._standing[key]
+        self._owners.pop(key, None)
+        if id is not None:
+            del self._members[kind.path][id]
+        self._keys.pop((kind.path, id), None)
+
     # Watching
 
     def subscribe(self, expression: str, watcher: Watcher) -> None:
@@ -217,9 +285,14 @@ class Board:
 
     def _publish(self, kind: Kind[Any], entry: Entry[Any], raw: bytes) -> None:
         self.posts += 1
-        self.history.add(entry, member=kind.collection)
         if self.journal is not None and kind.recorded:
             self.journal(entry, raw)
+        if self.outgoing is not None:
+            self.outgoing(kind, entry, raw)
+        self._tell(kind, entry)
+
+    def _tell(self, kind: Kind[Any], entry: Entry[Any]) -> None:
+        self.history.add(entry, member=kind.collection)
         watchers = self._watching.get(entry.key)
         if watchers is None:
             watchers = tuple(watcher for expression, watcher in self._watchers if matches(expression, entry.key))
@@ -266,4 +339,5 @@ def _next(
         value=entry.value,
         supports=entry.supports,
         endorsements=entry.endorsements + added,
+        value_from=(entry.value_from or (entry.revision, entry.stamp_s)) if added else None,
     )

@@ -38,7 +38,10 @@ class Endorsement(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
 
 
 class Entry(Struct, Generic[M], frozen=True, kw_only=True, eq=False):
-    """One revision of a key. A retraction keeps the last value, so that what was believed can still be read."""
+    """One revision of a key. A retraction keeps the last value, so that what was believed can still be read.
+
+    `value_from` tells revision and stamp of the post that brought the value, where this revision only adds an endorsement.
+    """
 
     key: str
     id: str | None
@@ -49,6 +52,7 @@ class Entry(Struct, Generic[M], frozen=True, kw_only=True, eq=False):
     value: M
     supports: tuple[Support, ...] = ()
     endorsements: tuple[Endorsement, ...] = ()
+    value_from: tuple[int, float] | None = None
 
     def as_support(self) -> Support:
         """Return the stretch that is just this revision."""
@@ -65,6 +69,7 @@ class EntryRecord(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     source: Name
     supports: Annotated[tuple[Support, ...], Meta(max_length=10_000)] = ()
     endorsements: Annotated[tuple[Endorsement, ...], Meta(max_length=1000)] = ()
+    value_from: tuple[Count, Seconds] | None = None
 
 
 def stretches(entries: Iterable[Entry[Message]]) -> tuple[Support, ...]:

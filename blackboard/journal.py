@@ -9,6 +9,7 @@ import msgspec
 
 from blackboard.entry import Endorsement, Entry, EntryRecord, Event, Support
 from blackboard.errors import OutputError, RecordingError
+from blackboard.messages.base import Count, Name
 
 FILE_NAME = "board.jsonl"
 
@@ -24,6 +25,27 @@ class _Line(msgspec.Struct, kw_only=True, omit_defaults=True):
     value: msgspec.Raw
     supports: tuple[Support, ...] = ()
     endorsements: tuple[Endorsement, ...] = ()
+    value_from: tuple[int, float] | None = None
+
+
+_ENCODE = msgspec.json.Encoder().encode
+
+
+def line_of(entry: Entry[Any], raw: bytes) -> bytes:
+    """Return an entry, with its value's JSON, as one line of JSON without its end."""
+    return _ENCODE(
+        _Line(
+            key=entry.key,
+            revision=entry.revision,
+            event=entry.event,
+            stamp_s=entry.stamp_s,
+            source=entry.source,
+            value=msgspec.Raw(raw),
+            supports=entry.supports,
+            endorsements=entry.endorsements,
+            value_from=entry.value_from,
+        )
+    )
 
 
 class JournalWriter:
@@ -35,21 +57,10 @@ class JournalWriter:
         except OSError as error:
             raise OutputError(f"{path}: cannot be written ({error.strerror}); choose another --out") from None
         self._path = path
-        self._encode = msgspec.json.Encoder().encode
 
     def __call__(self, entry: Entry[Any], raw: bytes) -> None:
-        line = _Line(
-            key=entry.key,
-            revision=entry.revision,
-            event=entry.event,
-            stamp_s=entry.stamp_s,
-            source=entry.source,
-            value=msgspec.Raw(raw),
-            supports=entry.supports,
-            endorsements=entry.endorsements,
-        )
         try:
-            self._file.write(self._encode(line) + b"\n")
+            self._file.write(line_of(entry, raw) + b"\n")
         except OSError as error:
             raise OutputError(
                 f"{self._path}: writing failed ({error.strerror}); free some space and run again"
@@ -65,9 +76,13 @@ class JournalWriter:
 
 
 class JournalLine(EntryRecord, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A line read back; the value stays JSON until it is decoded by its kind."""
+    """A line read back; the value stays JSON until it is decoded by its kind.
+
+    In a keeper's journal `origin` tells who sent it: host, boot, lane, number.
+    """
 
     value: msgspec.Raw
+    origin: tuple[Name, Name, Name, Count] | None = None
 
 
 def read_journal(folder: Path) -> Iterator[JournalLine]:

@@ -9,7 +9,7 @@ from typing import Generic, TypeVar
 
 from blackboard.errors import BoardError
 from blackboard.key_expressions import is_chunk
-from blackboard.messages import conflicts, control, mapping, model, motion, routes, sensing, symbols, world
+from blackboard.messages import conflicts, control, hosts, mapping, model, motion, routes, sensing, symbols, world
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
 
@@ -25,7 +25,8 @@ class Kind(Generic[M]):
     """A declared place on the board: `path`, the `type` of its values, one slot or a collection.
 
     `shared` collections may have several posters, each owning its ids. What is not `recorded` (measured times) stays out of
-    `board.jsonl`, since it differs from run to run. Raises BoardError where the path is not of the form above.
+    `board.jsonl`, since it differs from run to run. What is `large` lets all else pass on
+    a link. Raises BoardError where the path is not of the form above.
     """
 
     path: str
@@ -34,6 +35,7 @@ class Kind(Generic[M]):
     collection: bool = False
     shared: bool = False
     recorded: bool = True
+    large: bool = False
 
     def __post_init__(self) -> None:
         chunks = self.path.split("/")
@@ -59,14 +61,16 @@ class Kind(Generic[M]):
         return self.path.rsplit("/", 1)[1]
 
 
-def slot(path: str, type_: type[M], doc: str, *, recorded: bool = True) -> Kind[M]:
+def slot(path: str, type_: type[M], doc: str, *, recorded: bool = True, large: bool = False) -> Kind[M]:
     """Declare a kind with a single entry, such as the newest scan."""
-    return Kind(path, type_, doc, recorded=recorded)
+    return Kind(path, type_, doc, recorded=recorded, large=large)
 
 
-def collection(path: str, type_: type[M], doc: str, *, shared: bool = False, recorded: bool = True) -> Kind[M]:
+def collection(
+    path: str, type_: type[M], doc: str, *, shared: bool = False, recorded: bool = True, large: bool = False
+) -> Kind[M]:
     """Declare a kind with one entry for each id, such as lines."""
-    return Kind(path, type_, doc, collection=True, shared=shared, recorded=recorded)
+    return Kind(path, type_, doc, collection=True, shared=shared, recorded=recorded, large=large)
 
 
 # fmt: off
@@ -76,13 +80,14 @@ BLOBS = slot("observations/signal/blobs", sensing.BlobScan, "the coloured stretc
 ODOMETRY = slot("observations/signal/odometry", sensing.Odometry, "what the wheels say")
 BUMPER = slot("observations/signal/bumper", sensing.Bumper, "what the bumper touches")
 BATTERY = slot("observations/signal/battery", sensing.Battery, "charge left")
+CYCLE = slot("observations/signal/cycle", hosts.CycleBeat, "all readings of a control cycle are there", recorded=False)
 ODOM_FROM_ROBOT = slot("observations/feature/odom_from_robot", Pose, "the robot in the odometry frame: smooth, drifts")
-SUPPORTED_POINTS = slot("observations/feature/supported_points", world.PointSet, "a batch of readings that the grid bears out")
+SUPPORTED_POINTS = slot("observations/feature/supported_points", world.PointSet, "readings that the grid bears out", large=True)
 LINE = collection("observations/feature/line", world.Line, "a line seen in one batch of points, id <batch>-<number>")
 LINE_SET = slot("observations/feature/line_set", model.LineSet, "the ids of a batch's lines, after all of them")
 MAP_FROM_ODOM = slot("hypotheses/feature/map_from_odom", Pose, "the odometry frame in the map: moved by re-references only")
-CORRECTED_PATH = slot("hypotheses/feature/corrected_path", mapping.CorrectedPath, "the whole way, as it looks from the end")
-GRID = collection("hypotheses/feature/grid", world.GridTile, "the empty-occupied-unknown grid by tiles, id <column>_<row>")
+CORRECTED_PATH = slot("hypotheses/feature/corrected_path", mapping.CorrectedPath, "the way, as it looks from the end", large=True)
+GRID = collection("hypotheses/feature/grid", world.GridTile, "the empty-occupied-unknown grid, id <column>_<row>", large=True)
 MODEL_LINE = collection("hypotheses/feature/model_line", model.ModelLine, "a wall as known from all that was seen of it")
 LINE_MATCHES = slot("hypotheses/feature/line_matches", model.LineMatches, "which observed lines are which model lines")
 EXPECTED_LINES = slot("hypotheses/feature/expected_lines", model.ExpectedLines, "the lines that should be in view")
@@ -107,6 +112,9 @@ COMMUNICATION_ERROR = collection("status/communication_error", control.Communica
 MISSION = slot("status/mission", motion.MissionStatus, "how the mission stands; the run ends once it is not underway")
 COMPONENT = collection("status/component", control.ComponentStatus, "whether a component works", shared=True)
 BEHAVIOUR = collection("status/behaviour", motion.BehaviourStatus, "where a behaviour stands", shared=True)
+HOST = collection("status/host", hosts.HostStatus, "how a process of the mission fares", shared=True, recorded=False)
+TRUE_POSE = slot("status/true_pose", Pose, "where a simulated robot really is: for scores only", recorded=False)
+ROBOT_SUMMARY = slot("status/robot_summary", hosts.RobotSummary, "a robot's own figures", recorded=False)
 RESPONSE = collection("commands/response", motion.Response, "a behaviour's answer to the newest readings", shared=True)
 VELOCITY = slot("commands/velocity", motion.Velocity, "what the coordinator wants")
 DRIVE = slot("commands/drive", motion.Drive, "what goes to the wheels")

@@ -1,0 +1,170 @@
+"""The form in which entries travel: a payload that a person can read, and beside it who sent it and which one it is.
+
+The payload is one JSON object, the same as a line of `board.jsonl`: key, revision, event, stamp_s, source, value, supports,
+endorsements. The attachment is ASCII: `host boot lane sequence`, numbered from 1 for each host, boot and lane. A batch is a
+text with one envelope on each line, attachment and payload parted by a tab.
+"""
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+import msgspec
+
+from blackboard.entry import Entry
+from blackboard.errors import BoardError, MessageError
+from blackboard.journal import JournalLine
+from blackboard.key_expressions import is_chunk
+from blackboard.kinds import Kind
+from blackboard.link.lanes import LANES, Lane
+from blackboard.vocabulary import MAX_MESSAGE_BYTES, Vocabulary, decode
+
+_LINE = msgspec.json.Decoder(JournalLine)
+_LANES = {lane.encode(): lane for lane in LANES}
+MAX_NAME = 200
+MAX_NUMBER = 2**53
+
+
+class Origin(NamedTuple):
+    """Who sent an envelope: a host, the boot of it (each start is another), the lane, and the number there, from 1."""
+
+    host: str
+    boot: str
+    lane: Lane
+    number: int
+
+
+class Envelope(NamedTuple):
+    """An entry on its way."""
+
+    origin: Origin
+    payload: bytes
+
+
+def attachment_of(origin: Origin) -> bytes:
+    """Return an origin as it travels."""
+    return b"%s %s %s %d" % (origin.host.encode(), origin.boot.encode(), origin.lane.encode(), origin.number)
+
+
+def read_origin(attachment: bytes) -> Origin:
+    """Return the origin that an attachment tells; raise MessageError where it tells none."""
+    parts = attachment.split(b" ")
+    lane = _LANES.get(parts[2]) if len(parts) == 4 else None
+    if lane is None or not parts[3].isdigit() or len(parts[3]) > 16 or max(len(parts[0]), len(parts[1])) > MAX_NAME:
+        raise MessageError(f"attachment {attachment[:80]!r}: must be 'host boot lane number'")
+    try:
+        host, boot, number = parts[0].decode("ascii"), parts[1].decode("ascii"), int(parts[3])
+    except UnicodeDecodeError:
+        raise MessageError(f"attachment {attachment[:80]!r}: must be ASCII") from None
+    if not is_chunk(host) or not is_chunk(boot) or not 1 <= number <= MAX_NUMBER:
+        raise MessageError(f"attachment {attachment[:80]!r}: host and boot are names, the number is 1 and more")
+    return Origin(host, boot, lane, number)
+
+
+def read_payload(key: str, payload: bytes) -> JournalLine:
+    """Return what a payload that came under `key` says, its value still JSON; raise MessageError where it is not an entry of it."""
+    if len(payload) > MAX_MESSAGE_BYTES:
+        raise MessageError(f"{key}: the message has {len(payload)} bytes, the limit is {MAX_MESSAGE_BYTES}")
+    try:
+        line = _LINE.decode(payload)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise MessageError(f"{key}: not an entry of a board ({error})") from None
+    if line.key != key:
+        raise MessageError(f"{key}: the message says that it is for {line.key}")
+    if line.origin is not None:
+        raise MessageError(f"{key}: an origin stands in keepers' journals only; drop 'origin'")
+    return line
+
+
+def read_entry(vocabulary: Vocabulary, line: JournalLine) -> tuple[Kind[Any], Entry[Any]]:
+    """Return a line's kind and its entry with its value checked; raise MessageError or BoardError where it is unfit."""
+    _, kind, member = vocabulary.parse_key(line.key)
+    return kind, Entry(
+        key=line.key,
+        id=member,
+        revision=line.revision,
+        event=line.event,
+        stamp_s=line.stamp_s,
+        source=line.source,
+        value=decode(kind, line.key, bytes(line.value)),
+        supports=line.supports,
+        endorsements=line.endorsements,
+        value_from=line.value_from,
+    )
+
+
+def join_batch(envelopes: Iterable[Envelope]) -> bytes:
+    """Return envelopes as one text."""
+    return b"".join(b"%s\t%s\n" % (attachment_of(e.origin), e.payload) for e in envelopes)
+
+
+def split_batch(batch: bytes) -> list[Envelope]:
+    """Return the envelopes of a text; raise MessageError where it is none. Payloads are not looked at."""
+    envelopes = []
+    for line in batch.split(b"\n"):
+        if line:
+            attachment, tab, payload = line.partition(b"\t")
+            if not tab:
+                raise MessageError("a batch of envelopes has a line without a tab between attachment and payload")
+            envelopes.append(Envelope(read_origin(attachment), payload))
+    return envelopes
+
+
+Positions = dict[str, dict[str, dict[str, int]]]  # host, boot, lane: number up to which nothing is missing
+
+
+class Snapshot(msgspec.Struct, kw_only=True, frozen=True):
+    """The first line of a snapshot: which keeper's, the mission's clock (None: not begun), and up to where it goes in each lane.
+
+    The lines after it are a batch: what stands, and what was retracted last.
+    """
+
+    boot: str
+    now_s: float | None
+    lanes: Positions
+
+
+class KeeperBeat(msgspec.Struct, kw_only=True, frozen=True):
+    """What the keeper tells all the time: up to which number it holds every lane, journalled, without a gap."""
+
+    boot: str
+    lanes: Positions
+
+
+class LostQuestion(msgspec.Struct, kw_only=True, frozen=True, forbid_unknown_fields=True):
+    """A reader asks for the envelopes of a lane from `first` to `last`; the answer is a batch of those that are held."""
+
+    host: str
+    boot: str
+    lane: Lane
+    first: int
+    last: int
+
+
+def join_snapshot(header: Snapshot, envelopes: Iterable[Envelope]) -> bytes:
+    """Return a snapshot as one text."""
+    return msgspec.json.encode(header) + b"\n" + join_batch(envelopes)
+
+
+def split_snapshot(text: bytes) -> tuple[Snapshot, list[Envelope]]:
+    """Return header and envelopes of a snapshot; raise MessageError where it is none."""
+    first, _, rest = text.partition(b"\n")
+    try:
+        header = msgspec.json.decode(first, type=Snapshot)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise MessageError(f"not a snapshot of a board ({error})") from None
+    return header, split_batch(rest)
+
+
+def robot_of(key: str) -> str:
+    """Return whose board a key belongs to; raise BoardError for a key that is none of ours."""
+    chunks = key.split("/", 2)
+    if len(chunks) < 3 or chunks[0] != "ski" or not is_chunk(chunks[1]):
+        raise BoardError(f"key '{key}' is not of the form ski/<robot>/<panel>/...")
+    return chunks[1]
+
+
+def as_lane(text: str) -> Lane:
+    """Return a lane by its name; raise MessageError for any other word."""
+    if text not in LANES:
+        raise MessageError(f"'{text}' is no lane; there are {', '.join(LANES)}")
+    return text

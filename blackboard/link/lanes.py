@@ -1,0 +1,44 @@
+"""Lanes: how entries travel, by what they are for. What is posted in one lane by one host arrives in order.
+
+Nothing in a lane ever waits for a slow reader: what does not fit is dropped on the way and asked for again, except commands,
+of which only the newest is of use.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from blackboard.kinds import Kind
+
+Lane = Literal["command", "signal", "knowledge", "large", "control"]
+LANES: tuple[Lane, ...] = get_args(Lane)
+
+
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """How a lane travels. `priority` is zenoh's name; `express` goes at once instead of in batches; `repaired`: what was missed
+    is asked for.
+    """
+
+    priority: str
+    express: bool
+    repaired: bool
+
+
+QUALITY: dict[Lane, Quality] = {
+    "command": Quality("REAL_TIME", express=True, repaired=False),
+    "signal": Quality("INTERACTIVE_HIGH", express=True, repaired=True),
+    "knowledge": Quality("DATA_HIGH", express=True, repaired=True),
+    "large": Quality("DATA_LOW", express=False, repaired=True),
+    "control": Quality("DATA", express=False, repaired=True),
+}
+
+
+def lane_of(kind: Kind[Any]) -> Lane:
+    """Return the lane that a kind's entries travel in."""
+    if kind.large:
+        return "large"
+    if kind.panel == "commands":
+        return "command"
+    if kind.panel == "control":
+        return "control"
+    return "signal" if kind.level == "signal" else "knowledge"
