@@ -28,10 +28,6 @@ class UncertaintyError(SkiError):
     """A theory of uncertainty cannot work with what it was given (a probability of 2, evidence in total conflict)."""
 
 
-class LinkError(SkiError):
-    """The link to other processes cannot be used: no keeper, a wrong address, a certificate that is refused."""
-
-
 class OutputError(SkiError):
     """Results cannot be written where they were asked for."""
 
