@@ -1,14 +1,14 @@
-"""Reflexes: from the newest readings to the wheels, every cycle, whatever becomes of the knowledge sources.
+"""Reflexes: from the newest readings to a wanted velocity, every cycle, whatever becomes of the knowledge sources.
 
 Behaviours answer in the mission's order; one that answers silences those it inhibits; the coordinator turns the answers into a
-wanted velocity; the safety layer turns that into what may go to the wheels. A behaviour that raises is left out from then
-on; without a coordinator or safety layer the robot stands still.
+wanted velocity. A behaviour that raises is left out from then on; without a coordinator nobody commands. What may go to the
+wheels of it the safety layer says (`blackboard.safety_watch`).
 
 A behaviour answers while it is selected; a motivation selects and deselects it, and its status acknowledges that.
 
 Reads  motivations/motivation/<behaviour>
 Posts  control/switch/..., where the coordinator reads switches
-       commands/response/<behaviour>, commands/velocity, commands/drive, status/behaviour/<behaviour>
+       commands/response/<behaviour>, commands/velocity, status/behaviour/<behaviour>
 """
 
 from collections.abc import Sequence
@@ -18,18 +18,17 @@ from msgspec.structs import replace
 
 from blackboard.access import Access
 from blackboard.board import Board
-from blackboard.component import Behaviour, Coordinator, Progress, SafetyLayer
+from blackboard.component import Behaviour, Coordinator, Progress
 from blackboard.control import report_failure
 from blackboard.entry import Entry, Support
 from blackboard.errors import SkiError
-from blackboard.kinds import BEHAVIOUR, DRIVE, MOTIVATION, RESPONSE, SWITCH, VELOCITY
-from blackboard.messages.motion import BehaviourStatus, Drive, Motivation, Response, Velocity
+from blackboard.kinds import BEHAVIOUR, MOTIVATION, RESPONSE, SWITCH, VELOCITY
+from blackboard.messages.motion import BehaviourStatus, Motivation, Response, Velocity
 from blackboard.messages.sensing import RobotDescription
 from blackboard.mission import Wiring
 from blackboard.switches import Switches
 
 PROGRESS_STEP_M = 0.25  # how far a behaviour has to go is told in such steps: its status is news, not a stream
-STOP = Drive(forward_mps=0.0, turn_radps=0.0, limited_by="no command")
 
 
 class _Held:
@@ -86,14 +85,13 @@ class _Held:
 
 
 class Reflexes:
-    """Behaviours, coordinator and safety layer on one board."""
+    """Behaviours and coordinator on one board."""
 
     def __init__(
         self,
         board: Board,
         behaviours: Sequence[tuple[Behaviour[Any], Wiring]],
         coordinator: Coordinator[Any] | None,
-        safety: SafetyLayer[Any],
         robot: RobotDescription,
         *,
         switches_of: str | None = None,
@@ -105,8 +103,6 @@ class Reflexes:
         self._robot = robot
         self._coordinator = coordinator
         self._coordinator_access = Access(board, coordinator.name, coordinator.reads, ()) if coordinator else None
-        self._safety: SafetyLayer[Any] | None = safety
-        self._safety_access = Access(board, safety.name, safety.reads, ())
         self._held = [_Held(board, b, wiring) for b, wiring in behaviours]
         self._by_name = {held.behaviour.name: held for held in self._held}
         self._switches: Switches | None = None
@@ -115,13 +111,11 @@ class Reflexes:
         self._wired = False
         board.subscribe(f"ski/{board.robot}/{MOTIVATION.path}/*", self._note)
 
-    def respond(self) -> Drive:
-        """Run one control cycle and return what goes to the wheels."""
+    def respond(self) -> Entry[Velocity] | None:
+        """Run one control cycle and return the wanted velocity, None where nobody commands."""
         if not self._wired:
             self._wire()
-        responses = self._responses()
-        wanted = self._combine(responses)
-        return self._limit(wanted)
+        return self._combine(self._responses())
 
     def _note(self, entry: Entry[Motivation]) -> None:
         held = self._by_name.get(entry.id or "")
@@ -216,16 +210,3 @@ class Reflexes:
         if self._coordinator is not None:
             name, self._coordinator = self._coordinator.name, None
             report_failure(self._board, name, error, None, strict=self._strict)
-
-    def _limit(self, wanted: Entry[Velocity] | None) -> Drive:
-        drive, supports = STOP, list[Support]()
-        if self._safety is not None:
-            try:
-                drive = self._safety.limit(wanted.value if wanted is not None else None, self._safety_access)
-            except Exception as error:
-                name, self._safety = self._safety.name, None
-                report_failure(self._board, name, error, wanted, strict=self._strict)
-            supports = [entry.as_support() for entry in self._safety_access.take_seen()]
-        if wanted is not None:
-            supports.insert(0, wanted.as_support())
-        return self._board.post(DRIVE, drive, source="safety", supports=tuple(supports)).value

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from blackboard.assembly import assemble
 from blackboard.board import Board
-from blackboard.component import KnowledgeSource, Parts, Planner, Robot
+from blackboard.component import Robot
 from blackboard.control import Control
 from blackboard.entry import Entry
 from blackboard.kinds import MAP_FROM_ODOM, MISSION, ODOM_FROM_ROBOT, ROBOT
@@ -21,7 +22,7 @@ from blackboard.messages.geometry import IDENTITY, Pose
 from blackboard.mission import Mission
 from blackboard.planning import Planning
 from blackboard.reflexes import Reflexes
-from blackboard.wiring import check_wiring, posters
+from blackboard.safety_watch import SafetyWatch
 
 Progress = Callable[[float, float], None]  # elapsed and total seconds on the mission's clock
 
@@ -39,44 +40,29 @@ class Run:
 
     def __init__(self, mission: Mission, options: RunOptions | None = None) -> None:
         options = options or RunOptions()
+        assembly = assemble(mission, options.seed)
         self.mission = mission
-        self.robot: Robot[Any] = mission.robot.build(options.seed)
-        self.sources: list[KnowledgeSource[Any]] = []
-        for spec in mission.knowledge_sources:
-            source = spec.build(options.seed)
-            if spec.rating is not None:
-                source.rating = float(spec.rating)
-            self.sources.append(source)
-        behaviours = [(spec.build(options.seed), spec.wiring) for spec in mission.behaviours]
-        coordinator = mission.coordinator.build(options.seed) if mission.coordinator is not None else None
-        safety = mission.safety.build(options.seed) if mission.safety is not None else None
-        planner: Planner[Any] | None = mission.rules.build(options.seed) if mission.rules is not None else None
-        vocabulary = check_wiring(self.robot, self.sources, [b for b, _ in behaviours], safety, planner)
+        self.robot: Robot[Any] = assembly.robot
+        self.sources = assembly.sources
         description = self.robot.description
-        self.board = Board(vocabulary, robot=description.name, history=mission.history)
+        self.board = Board(assembly.vocabulary, robot=description.name, history=mission.history)
         self.board.now_s = self.robot.start_s
         self.control = Control(self.board, self.sources, mission.control, strict=options.strict)
         self._reflexes: Reflexes | None = None
-        if self.robot.moves and safety is not None:
+        self._safety: SafetyWatch | None = None
+        if self.robot.moves and assembly.safety is not None:
             self._reflexes = Reflexes(
                 self.board,
-                behaviours,
-                coordinator,
-                safety,
+                assembly.behaviours,
+                assembly.coordinator,
                 description,
-                switches_of=planner.name if planner is not None else None,
+                switches_of=assembly.switches_of,
                 strict=options.strict,
             )
+            self._safety = SafetyWatch(self.board, assembly.safety, strict=options.strict)
         self.planning: Planning | None = None
-        if planner is not None:
-            parts = Parts(
-                behaviours={b.name: (b.parameters, b.optional) for b, _ in behaviours},
-                levels=list(dict.fromkeys(wiring.level for _, wiring in behaviours if wiring.level)),
-                sources={source.name: source.rating for source in self.sources},
-                vocabulary=vocabulary,
-                owners=posters(self.robot, self.sources, planner),
-            )
-            self.planning = Planning(self.board, planner, parts, strict=options.strict)
+        if assembly.planner is not None:
+            self.planning = Planning(self.board, assembly.planner, assembly.parts(), strict=options.strict)
         self._track = Track()
         self.board.subscribe(self.board.key(ODOM_FROM_ROBOT), self._note_pose)
         self._truth = Track()
@@ -121,8 +107,8 @@ class Run:
         true_pose = self.robot.true_pose()
         if true_pose is not None:
             self._truth.add(now_s, true_pose)
-        if self._reflexes is not None:
-            self.robot.drive(self._reflexes.respond())
+        if self._reflexes is not None and self._safety is not None:
+            self.robot.drive(self._safety.limit(self._reflexes.respond()))
         self.control.run_cycle()
         if self.planning is not None:
             self.planning.decide()
