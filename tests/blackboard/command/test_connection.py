@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from blackboard.command.connection import DEFAULT_ADDRESS, AddressError, add_connection_options, host_and_port
+from blackboard.command.connection import add_connection_options, link_params
+from blackboard.errors import LinkError
+from blackboard.link.address import DEFAULT_ADDRESS
 
 
 def parsed(*arguments: str) -> argparse.Namespace:
@@ -25,26 +27,6 @@ def test_flag_over_environment_over_default(monkeypatch: pytest.MonkeyPatch) -> 
     assert (given.connect, given.keys) == ("tcp/10.0.0.1:1", Path("others"))
 
 
-def test_host_and_port() -> None:
-    assert host_and_port("tcp/127.0.0.1:7447") == ("127.0.0.1", 7447)
-    assert host_and_port("tls/board.example:65535") == ("board.example", 65535)
-    assert host_and_port("tcp/[::1]:7447") == ("::1", 7447)
-
-
-@pytest.mark.parametrize(
-    "address",
-    [
-        "",
-        "7447",
-        "localhost:7447",
-        "udp/127.0.0.1:7447",
-        "tcp/127.0.0.1",
-        "tcp/127.0.0.1:0",
-        "tcp/h:65536",
-        "tcp/h:1\n",
-    ],
-)
-def test_what_is_no_address(address: str) -> None:
-    with pytest.raises(AddressError, match="write tcp/HOST:PORT or tls/HOST:PORT") as caught:
-        host_and_port(address)
-    assert "\n" not in str(caught.value)
+def test_what_is_no_address_is_refused_before_anything_is_loaded() -> None:
+    with pytest.raises(LinkError, match="udp"):
+        link_params(parsed("--connect", "udp/127.0.0.1:7447"))
