@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from blackboard.entry import Entry
+from blackboard.errors import MissionError
 from blackboard.kinds import Kind
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 P = TypeVar("P")
 M = TypeVar("M", bound=Message)
+
+UNNAMED = "robot"  # the name of a robot whose mission gives none: on the board it is called as its description says
 
 
 @dataclass(frozen=True)
@@ -232,6 +235,13 @@ class Robot(Component[P], ABC):
     @abstractmethod
     def advance(self, until_s: float) -> Iterator[Reading[Any]]:
         """Let time pass until `until_s` and yield the readings that came meanwhile, stamps never running back within a kind."""
+
+    def join(self, other: "Robot[Any]") -> None:
+        """Share another's world from now on, before anything has run; time then passes for all of its robots at once.
+
+        Raises MissionError, beginning with the parameter that is wrong where it is one, where that cannot be.
+        """
+        raise MissionError(f"{type(self).__name__} cannot share a world with another robot; leave one of them out")
 
     def drive(self, command: Drive) -> None:
         """Take what goes to the wheels from now on."""

@@ -7,7 +7,7 @@ from math import atan2, cos, hypot, sin
 import numpy as np
 
 from blackboard.messages.geometry import Pose, wrap_angle
-from sim.people import SKIN_M, Walker
+from sim.people import SKIN_M, RoundBody
 from sim.sensor_models import Body
 from sim.shapes import Neighbourhood, Shapes
 
@@ -60,20 +60,25 @@ class Base:
         self._room_m = 0.0  # this far nothing that stands still can be touched
 
     @property
+    def radius_m(self) -> float:
+        return self._body.radius_m
+
+    @property
     def pose(self) -> Pose:
         return Pose(x_m=self.x_m, y_m=self.y_m, heading_rad=self.heading_rad)
 
-    def stand_in(self, shapes: Shapes) -> bool:
-        """Let other things stand round the body; say whether it fits between them, and change nothing where it does not."""
+    def fits_in(self, shapes: Shapes) -> bool:
+        """Say whether the body, where it is, fits between these things."""
         distance = shapes.distances_m(self.x_m, self.y_m)[0]
-        if float(distance.min(initial=self._look_m)) < self._body.radius_m + APART_M:
-            return False
+        return float(distance.min(initial=self._look_m)) >= self._body.radius_m + APART_M
+
+    def stand_in(self, shapes: Shapes) -> None:
+        """Let other things stand round the body from now on."""
         self._near = Neighbourhood(shapes, self._look_m)
         self._room_m = 0.0
-        return True
 
-    def step(self, dt_s: float, forward_mps: float, turn_radps: float, walkers: Sequence[Walker]) -> None:
-        """Drive for `dt_s` towards the wanted speeds, which are cut to what the robot can do."""
+    def step(self, dt_s: float, forward_mps: float, turn_radps: float, others: Sequence[RoundBody]) -> None:
+        """Drive for `dt_s` towards the wanted speeds, cut to what the robot can do; `others` are those who move: people, robots."""
         body = self._body
         wanted = min(max(forward_mps, -body.max_speed_mps), body.max_speed_mps)
         wanted_turn = min(max(turn_radps, -body.max_turn_radps), body.max_turn_radps)
@@ -83,21 +88,25 @@ class Base:
         mean = (before + self.forward_mps) / 2.0
         way, turn = mean * dt_s, (before_turn + self.turn_radps) / 2.0 * dt_s
         if way or turn:
-            self.distance_m += self._move(way, turn, walkers)
+            self.distance_m += self._move(way, turn, others)
             self.turned_rad += abs(turn)
         near = way != 0.0 and self._room_m < APART_M
-        if near or self.contacts.bearings_rad or any(self._gap_m(w) < APART_M for w in walkers):
-            self._feel(mean, walkers)
+        if near or self.contacts.bearings_rad or any(self._gap_m(other) < APART_M for other in others):
+            self._feel(mean, others)
 
-    def _move(self, way_m: float, turn_rad: float, walkers: Sequence[Walker]) -> float:
+    def feel(self, others: Sequence[RoundBody]) -> None:
+        """Feel what has come near, between two steps."""
+        self._feel(self.forward_mps, others)
+
+    def _move(self, way_m: float, turn_rad: float, others: Sequence[RoundBody]) -> float:
         """Turn, and go along the arc as far as nothing is in the way; return how far that was."""
         pose = arc(self.x_m, self.y_m, self.heading_rad, way_m, turn_rad)
-        if not self._free(pose[0], pose[1], abs(way_m), walkers):
+        if not self._free(pose[0], pose[1], abs(way_m), others):
             free, blocked = 0.0, 1.0
             for _ in range(HALVINGS):
                 middle = (free + blocked) / 2.0
                 x, y, _heading = arc(self.x_m, self.y_m, self.heading_rad, middle * way_m, middle * turn_rad)
-                free, blocked = (middle, blocked) if self._free(x, y, None, walkers) else (free, middle)
+                free, blocked = (middle, blocked) if self._free(x, y, None, others) else (free, middle)
             way_m *= free
             self.forward_mps = 0.0
             self._room_m = 0.0
@@ -106,10 +115,10 @@ class Base:
         self.x_m, self.y_m, self.heading_rad = pose
         return abs(way_m)
 
-    def _free(self, x_m: float, y_m: float, way_m: float | None, walkers: Sequence[Walker]) -> bool:
+    def _free(self, x_m: float, y_m: float, way_m: float | None, others: Sequence[RoundBody]) -> bool:
         """Say whether the body fits at a place; `way_m`, the way there, is taken off the room that is known to be free."""
-        for walker in walkers:
-            if hypot(walker.x_m - x_m, walker.y_m - y_m) < self._touching_m(walker) and self._nears(walker, x_m, y_m):
+        for other in others:
+            if hypot(other.x_m - x_m, other.y_m - y_m) < self._touching_m(other) and self._nears(other, x_m, y_m):
                 return False
         if way_m is not None:
             self._room_m -= way_m
@@ -120,24 +129,24 @@ class Base:
         self._room_m = max(room, 0.0)
         return room >= 0.0
 
-    def _touching_m(self, walker: Walker) -> float:
-        return self._body.radius_m + walker.person.radius_m + SKIN_M
+    def _touching_m(self, other: RoundBody) -> float:
+        return self._body.radius_m + other.radius_m + SKIN_M
 
-    def _nears(self, walker: Walker, x_m: float, y_m: float) -> bool:
-        return hypot(walker.x_m - x_m, walker.y_m - y_m) < hypot(walker.x_m - self.x_m, walker.y_m - self.y_m)
+    def _nears(self, other: RoundBody, x_m: float, y_m: float) -> bool:
+        return hypot(other.x_m - x_m, other.y_m - y_m) < hypot(other.x_m - self.x_m, other.y_m - self.y_m)
 
-    def _gap_m(self, walker: Walker) -> float:
-        return hypot(walker.x_m - self.x_m, walker.y_m - self.y_m) - self._body.radius_m - walker.person.radius_m
+    def _gap_m(self, other: RoundBody) -> float:
+        return hypot(other.x_m - self.x_m, other.y_m - self.y_m) - self._body.radius_m - other.radius_m
 
-    def _feel(self, forward_mps: float, walkers: Sequence[Walker]) -> None:
+    def _feel(self, forward_mps: float, others: Sequence[RoundBody]) -> None:
         """Find what is touched now, and count what was not touched before."""
         distance, to_x, to_y = self._near.at(self.x_m, self.y_m).distances_m(self.x_m, self.y_m)
         gaps = distance - self._body.radius_m
         found = [(float(gaps[i]), atan2(to_y[i], to_x[i]), True) for i in np.nonzero(gaps < APART_M)[0].tolist()]
-        for walker in walkers:
-            gap = self._gap_m(walker)
+        for other in others:
+            gap = self._gap_m(other)
             if gap < APART_M:
-                found.append((gap, atan2(walker.y_m - self.y_m, walker.x_m - self.x_m), False))
+                found.append((gap, atan2(other.y_m - self.y_m, other.x_m - self.x_m), False))
         touched: list[float] = []
         for gap, bearing, stands in sorted(found):
             known = any(_same(bearing, b) for b in self.contacts.bearings_rad)

@@ -2,12 +2,13 @@
 
 A courteous person stops an arm's length before a robot that is in the way, waits, and turns round when it does not give way.
 A person without manners walks until they touch, and then does the same; both stop before what was put in their way. Nobody ever
-stands inside the robot; nobody minds other people.
+stands inside a robot; nobody minds other people.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import hypot, sqrt
+from typing import Protocol
 
 import numpy as np
 
@@ -16,6 +17,19 @@ from blackboard.parameters import require
 ARM_M = 0.5  # a courteous person keeps this from the robot's surface to their own
 PASSING_M = 0.3  # and passes it where this much is left between them
 SKIN_M = 1e-4  # gap that stays when two bodies touch
+
+
+class RoundBody(Protocol):
+    """A person or a robot, seen from above; metres, map frame."""
+
+    @property
+    def x_m(self) -> float: ...
+
+    @property
+    def y_m(self) -> float: ...
+
+    @property
+    def radius_m(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -62,19 +76,21 @@ class Walker:
         self._waited_s = 0.0
 
     @property
+    def radius_m(self) -> float:
+        return self.person.radius_m
+
+    @property
     def waiting(self) -> bool:
-        """Say whether the robot is in the way."""
+        """Say whether a robot is in the way."""
         return self._waited_s > 0.0
 
     def walk(
         self,
         dt_s: float,
-        robot_x_m: float,
-        robot_y_m: float,
-        robot_radius_m: float,
+        robots: Sequence[RoundBody],
         fits: Callable[[float, float, float], bool] | None = None,
     ) -> None:
-        """Let `dt_s` pass; what `fits` says no to, of a place and a radius, is in the way as the robot may be."""
+        """Let `dt_s` pass; what `fits` says no to, of a place and a radius, is in the way as a robot may be."""
         if self._pause_s > 0.0:
             self._pause_s -= dt_s
             return
@@ -84,7 +100,7 @@ class Walker:
         go_m = min(self.person.speed_mps * dt_s, left_m)
         if left_m > 0.0:
             dx, dy = dx / left_m, dy / left_m
-        way_m = self._way_m(dx, dy, go_m, robot_x_m - self.x_m, robot_y_m - self.y_m, robot_radius_m)
+        way_m = min((self._way_m(dx, dy, go_m, robot) for robot in robots), default=go_m)
         if way_m and fits and not fits(self.x_m + way_m * dx, self.y_m + way_m * dy, self.person.radius_m):
             way_m = 0.0
         self.x_m += way_m * dx
@@ -98,11 +114,10 @@ class Walker:
         if go_m >= left_m:
             self._arrive()
 
-    def _way_m(
-        self, dx: float, dy: float, go_m: float, robot_dx: float, robot_dy: float, robot_radius_m: float
-    ) -> float:
-        """Return how far one goes along (dx, dy), at most `go_m`, the robot being at (robot_dx, robot_dy) from here."""
-        touching_m = robot_radius_m + self.person.radius_m + SKIN_M
+    def _way_m(self, dx: float, dy: float, go_m: float, robot: RoundBody) -> float:
+        """Return how far one goes along (dx, dy), at most `go_m`, because of a robot."""
+        robot_dx, robot_dy = robot.x_m - self.x_m, robot.y_m - self.y_m
+        touching_m = robot.radius_m + self.person.radius_m + SKIN_M
         distance = hypot(robot_dx, robot_dy)
         ahead = robot_dx * dx + robot_dy * dy
         if ahead <= 0.0 or distance > touching_m + ARM_M + go_m:

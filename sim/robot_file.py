@@ -36,11 +36,11 @@ class RobotModel:
         ranges += [sensor.max_range_m for sensor in (self.sonar, self.camera) if sensor is not None]
         return self.body.radius_m + max(ranges, default=0.0)
 
-    def description(self) -> RobotDescription:
-        """Return what the robot tells of itself: no word of its errors."""
+    def description(self, name: str | None = None) -> RobotDescription:
+        """Return what the robot tells of itself, called `name` or as its file says: no word of its errors."""
         sonar, camera = self.sonar, self.camera
         return RobotDescription(
-            name=self.body.name,
+            name=name or self.body.name,
             radius_m=self.body.radius_m,
             max_speed_mps=self.body.max_speed_mps,
             max_turn_radps=self.body.max_turn_radps,

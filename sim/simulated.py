@@ -8,18 +8,19 @@ Posts         observations/signal/odometry    Odometry   from the true start pos
               observations/signal/battery     Battery
 
 Time goes in steps of 25 ms whatever steps are asked for, so that only the stamps of the commands matter. A sensor's
-latency delays when its reading comes, not its stamp.
+latency delays when its reading comes, not its stamp. Robots may share one world (`join`): each is a round body in the way of the
+others and of what they sense.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import floor, inf, pi
+from math import inf, pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from blackboard.component import Reading, Robot, WorldTruth
+from blackboard.component import UNNAMED, Reading, Robot, WorldTruth
 from blackboard.errors import MissionError
 from blackboard.kinds import BATTERY, BLOBS, BUMPER, LASER_SCAN, ODOMETRY, SONAR_SCAN
 from blackboard.messages.geometry import Pose, wrap_angle
@@ -42,10 +43,13 @@ from sim.laser import laser_sweep, sweep_ranges
 from sim.odometer import Odometer, drawn
 from sim.people import Walker
 from sim.robot_file import load_robot
+from sim.schedule import Schedule
 from sim.sensor_models import TICKS_PER_S
 from sim.shapes import Floats, Shapes
 from sim.sonar import fire, sonar_fans, true_echoes
+from sim.starts import check_apart, check_same_world, start_pose
 from sim.surroundings import Surroundings
+from sim.together import Together
 from sim.world_by_name import load_world
 
 
@@ -87,7 +91,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         super().__init__(params, name=name, seed=seed)
         self._model = load_robot(params.robot)
         self._first_world = load_world(params.world, params.world_seed)
-        self._description = self._model.description()
+        self._description = self._model.description(None if name == UNNAMED else name)
         self._start = self._start_pose()
         self._entropy = int(self.rng.integers(2**62))
         model = self._model
@@ -106,32 +110,51 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._fans = None if model.sonar is None else sonar_fans(model.sonar)
         self._view = None if model.camera is None else camera_fan(model.camera)
         self._sweeps = [laser_sweep(laser) for laser in model.lasers]
-        self.reset()
+        self._together = Together([self])
 
     @property
     def description(self) -> RobotDescription:
         return self._description
 
+    def join(self, other: Robot[Any]) -> None:
+        if not isinstance(other, SimulatedRobot):
+            raise MissionError(f"a simulated robot cannot share a world with '{other.name}', which is none")
+        check_same_world(self.params, other.params, other.name)
+        members = [member for member in other._together.members if isinstance(member, SimulatedRobot)]
+        others = [(member.name, member._start, member._model.body.radius_m) for member in members]
+        check_apart(self._first_world, self._start, self._model.body.radius_m, others)
+        together = Together([*members, self])
+        for member in [*members, self]:
+            member._together = together
+
     def reset(self) -> None:
-        """Begin anew: the same again."""
-        model, world = self._model, self._first_world
-        errors = model.odometry if self.params.odometry_errors else None
-        if errors is not None and self.params.drawn_odometry:
-            errors = drawn(errors, self._random(3))
-        self._base = Base(model.body, world.shapes, self._start)
-        self._odometer = Odometer(self._start, errors, self._random(0))
-        self._sonar_rng, self._laser_rng = self._random(1), self._random(2)
-        self._camera_rng = self._random(5)
+        """Begin anew: the same again, for all robots of the world."""
+        self._together.begin()
+
+    def surroundings(self) -> Surroundings:
+        """Return the world as it is at first, without robots, with random numbers of this robot."""
+        world = self._first_world
         people = world.people if self.params.people else ()
         walkers = [Walker(person, self._random(10 + i)) for i, person in enumerate(people)]
         disturber = None
         if self.params.disturbances:
-            body = model.body
+            body = self._model.body
             disturber = Disturber(self.params.disturbances, world, body.radius_m, body.max_speed_mps, self._random(4))
-        self._around = Surroundings(world, walkers, model.reach_m, disturber)
-        self._tick = -1
-        self._due: dict[tuple[str, int], int] = {}
-        self._late: list[tuple[int, Reading[Any]]] = []
+        return Surroundings(world, walkers, disturber)
+
+    def enter(self, around: Surroundings) -> None:
+        """Stand at the start as if nothing had been."""
+        model = self._model
+        errors = model.odometry if self.params.odometry_errors else None
+        if errors is not None and self.params.drawn_odometry:
+            errors = drawn(errors, self._random(3))
+        self._base = Base(model.body, around.world.shapes, self._start)
+        self._around = around
+        self._number = around.enter(self._base, model.reach_m)
+        self._odometer = Odometer(self._start, errors, self._random(0))
+        self._sonar_rng, self._laser_rng = self._random(1), self._random(2)
+        self._camera_rng = self._random(5)
+        self._schedule = Schedule()
         self._wanted = (0.0, 0.0)
         self._told_way_m = self._told_turn_rad = 0.0
         self._bumper: tuple[float, ...] | None = None
@@ -143,13 +166,7 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._wanted = (command.forward_mps, command.turn_radps)
 
     def advance(self, until_s: float) -> Iterator[Reading[Any]]:
-        readings: list[Reading[Any]] = []
-        for tick in range(self._tick + 1, floor(until_s * TICKS_PER_S + 1e-6) + 1):
-            self._tick = tick
-            if tick:
-                self._move(tick / TICKS_PER_S)
-            self._sense(tick, readings)
-        return iter(readings)
+        return iter(self._schedule.take(self._together.advance(until_s)))
 
     def true_pose(self) -> Pose:
         return self._base.pose
@@ -170,6 +187,8 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
             "sonar_echoes_lost": self._echoes_lost,
             "sonar_cross_talk": self._cross_talk,
         }
+        if len(self._together.members) > 1:
+            table["met_robots"] = self._around.meetings[self._number]
         disturber = self._around.disturber
         return table if disturber is None else {**table, "disturbances": disturber.told()}
 
@@ -178,72 +197,47 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         wanted = None
         if params.start_x_m is not None and params.start_y_m is not None:
             wanted = Pose(x_m=params.start_x_m, y_m=params.start_y_m, heading_rad=0.0)
-        pose = self._first_world.start_pose(wanted, self._model.body.radius_m)
-        if heading is not None:
-            pose = Pose(x_m=pose.x_m, y_m=pose.y_m, heading_rad=wrap_angle(heading))
-        for number, person in enumerate(self._first_world.people if params.people else (), 1):
-            away_m = pose.distance_m(Pose(x_m=person.path[0][0], y_m=person.path[0][1], heading_rad=0.0))
-            if away_m < self._model.body.radius_m + person.radius_m + 0.01:
-                raise MissionError(
-                    f"{self._first_world.name}: [[person]] {number} starts where the robot starts; move one of them"
-                )
-        return pose
+        return start_pose(self._first_world, wanted, heading, self._model.body.radius_m, params.people)
 
     def _random(self, stream: int) -> np.random.Generator:
         """Return random numbers of their own for a part, so that one part's draws change no other's."""
         return np.random.default_rng([self._entropy, stream])
 
-    def _move(self, now_s: float) -> None:
-        dt = 1.0 / TICKS_PER_S
-        self._around.pass_time(now_s, dt, self._base, self._model.body.radius_m)
+    def move(self, dt_s: float) -> None:
+        """Drive as was commanded, as long as the battery lasts, and charge it at a dock."""
         forward, turn = self._wanted if self._charge_fraction > 0.0 else (0.0, 0.0)
-        self._base.step(dt, forward, turn, self._around.walkers)
+        self._base.step(dt_s, forward, turn, self._around.others(self._number))
+        self._around.meet(self._number)
         if self._first_world.docks:
-            self._charge.stand(dt, self._base.pose, self._model.body.radius_m, self._first_world.docks)
+            self._charge.stand(dt_s, self._base.pose, self._model.body.radius_m, self._first_world.docks)
 
-    def _sense(self, tick: int, readings: list[Reading[Any]]) -> None:
-        """Append what comes now: what was delayed, then odometry, bumper, lasers, sonars, camera, battery."""
+    def sense(self, tick: int) -> None:
+        """Take what comes now: what was delayed, then odometry, bumper, lasers, sonars, camera, battery."""
         stamp_s = tick / TICKS_PER_S
-        model = self._model
-        if self._late:
-            readings += [reading for due, reading in self._late if due <= tick]
-            self._late = [(due, reading) for due, reading in self._late if due > tick]
-        if self._is_due("odometry", 0, model.odometry.rate_hz, tick):
-            self._give(readings, Reading(ODOMETRY, stamp_s, self._read_odometry()), model.odometry.latency_s)
+        model, schedule = self._model, self._schedule
+        schedule.give_late(tick)
+        if schedule.is_due("odometry", 0, model.odometry.rate_hz, tick):
+            schedule.give(Reading(ODOMETRY, stamp_s, self._read_odometry()), tick, model.odometry.latency_s)
         if model.body.bumper:
             touched = self._read_bumper()
             if touched != self._bumper:
                 self._bumper = touched
-                readings.append(Reading(BUMPER, stamp_s, Bumper(bearings_rad=touched)))
+                schedule.give(Reading(BUMPER, stamp_s, Bumper(bearings_rad=touched)), tick)
         sensed: Shapes | None = None
         for number, laser in enumerate(model.lasers):
-            if self._is_due("laser", number, laser.rate_hz, tick):
-                sensed = sensed or self._around.seen_from(self._base.x_m, self._base.y_m)
-                self._give(readings, Reading(LASER_SCAN, stamp_s, self._read_laser(number, sensed)), laser.latency_s)
-        if model.sonar is not None and self._is_due("sonar", 0, model.sonar.rate_hz, tick):
-            sensed = sensed or self._around.seen_from(self._base.x_m, self._base.y_m)
-            self._give(readings, Reading(SONAR_SCAN, stamp_s, self._read_sonar(sensed)), model.sonar.latency_s)
-        if model.camera is not None and self._is_due("camera", 0, model.camera.rate_hz, tick):
-            sensed = sensed or self._around.seen_from(self._base.x_m, self._base.y_m)
-            self._give(readings, Reading(BLOBS, stamp_s, self._read_camera(sensed)), model.camera.latency_s)
-        if self._is_due("battery", 0, model.battery.rate_hz, tick):
+            if schedule.is_due("laser", number, laser.rate_hz, tick):
+                sensed = sensed or self._around.seen_by(self._number)
+                schedule.give(Reading(LASER_SCAN, stamp_s, self._read_laser(number, sensed)), tick, laser.latency_s)
+        if model.sonar is not None and schedule.is_due("sonar", 0, model.sonar.rate_hz, tick):
+            sensed = sensed or self._around.seen_by(self._number)
+            schedule.give(Reading(SONAR_SCAN, stamp_s, self._read_sonar(sensed)), tick, model.sonar.latency_s)
+        if model.camera is not None and schedule.is_due("camera", 0, model.camera.rate_hz, tick):
+            sensed = sensed or self._around.seen_by(self._number)
+            schedule.give(Reading(BLOBS, stamp_s, self._read_camera(sensed)), tick, model.camera.latency_s)
+        if schedule.is_due("battery", 0, model.battery.rate_hz, tick):
             used = stamp_s / model.battery.standing_s + self._base.distance_m / model.battery.driving_m
             self._charge_fraction = self._charge.left(used)
-            readings.append(Reading(BATTERY, stamp_s, Battery(charge_fraction=round(self._charge_fraction, 5))))
-
-    def _is_due(self, sensor: str, number: int, rate_hz: float, tick: int) -> bool:
-        """Say whether a sensor's next reading is due, and count it."""
-        count = self._due.get((sensor, number), 0)
-        if tick < round(count * TICKS_PER_S / rate_hz):
-            return False
-        self._due[(sensor, number)] = count + 1
-        return True
-
-    def _give(self, readings: list[Reading[Any]], reading: Reading[Any], latency_s: float) -> None:
-        if latency_s > 0.0:
-            self._late.append((self._tick + round(latency_s * TICKS_PER_S), reading))
-        else:
-            readings.append(reading)
+            schedule.give(Reading(BATTERY, stamp_s, Battery(charge_fraction=round(self._charge_fraction, 5))), tick)
 
     def _read_odometry(self) -> Odometry:
         base = self._base

@@ -39,7 +39,7 @@ def base(x: float, y: float, heading: float = 0.0, circles: tuple[tuple[float, f
 def go(robot: Base, forward: float, turn: float, seconds: float, walkers: tuple[Walker, ...] = ()) -> None:
     for _ in range(round(seconds / DT)):
         for walker in walkers:
-            walker.walk(DT, robot.x_m, robot.y_m, BODY.radius_m)
+            walker.walk(DT, [robot])
         robot.step(DT, forward, turn, walkers)
 
 

@@ -1,6 +1,7 @@
 """How people walk, wait and turn round."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -9,13 +10,21 @@ from blackboard.errors import MissionError
 from sim.people import ARM_M, Person, Walker
 
 DT = 0.025
-FAR = (100.0, 100.0, 0.3)
+
+
+class Disc(NamedTuple):
+    x_m: float
+    y_m: float
+    radius_m: float
+
+
+FAR = Disc(100.0, 100.0, 0.3)
 STROLL = Person(path=((0.0, 0.0), (4.0, 0.0)), speed_mps=0.8, pause_s=0.0)
 
 
-def walk(walker: Walker, seconds: float, robot: tuple[float, float, float] = FAR) -> None:
+def walk(walker: Walker, seconds: float, robot: Disc = FAR) -> None:
     for _ in range(round(seconds / DT)):
-        walker.walk(DT, *robot)
+        walker.walk(DT, [robot])
 
 
 def walker(person: Person) -> Walker:
@@ -55,7 +64,7 @@ def test_pauses_at_waypoints() -> None:
 
 def test_a_courteous_person_stops_an_arms_length_before_the_robot_then_turns_round() -> None:
     somebody = walker(replace(STROLL, patience_s=4.0))
-    robot = (3.0, 0.0, 0.3)
+    robot = Disc(3.0, 0.0, 0.3)
     walk(somebody, 4.0, robot)
     assert somebody.waiting
     assert 3.0 - somebody.x_m == pytest.approx(0.3 + 0.25 + ARM_M, abs=0.03)
@@ -66,13 +75,13 @@ def test_a_courteous_person_stops_an_arms_length_before_the_robot_then_turns_rou
 
 def test_a_courteous_person_walks_on_when_the_robot_gives_way() -> None:
     somebody = walker(STROLL)
-    walk(somebody, 4.0, (3.0, 0.0, 0.3))
+    walk(somebody, 4.0, Disc(3.0, 0.0, 0.3))
     walk(somebody, 1.0)
     assert somebody.x_m > 2.5
 
 
 def test_the_robot_behind_or_beside_is_not_in_the_way() -> None:
-    for robot in ((-0.7, 0.0, 0.3), (2.0, 0.9, 0.3)):
+    for robot in (Disc(-0.7, 0.0, 0.3), Disc(2.0, 0.9, 0.3)):
         somebody = walker(STROLL)
         walk(somebody, 2.5, robot)
         assert somebody.x_m == pytest.approx(2.0)
@@ -82,7 +91,7 @@ def test_the_robot_behind_or_beside_is_not_in_the_way() -> None:
 def test_nobody_walks_into_the_robot(courteous: bool) -> None:
     somebody = walker(replace(STROLL, courteous=courteous, patience_s=1.0))
     for _ in range(4000):
-        somebody.walk(DT, 2.0, 0.3, 0.3)
+        somebody.walk(DT, [Disc(2.0, 0.3, 0.3)])
         assert np.hypot(somebody.x_m - 2.0, somebody.y_m - 0.3) >= 0.55
 
 

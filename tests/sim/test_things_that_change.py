@@ -99,7 +99,7 @@ def test_a_person_stays_exactly_as_long_as_told() -> None:
     walker = Walker(Person(path=((0.0, 0.0), (1.0, 0.0)), stays_s=(3.0, 60.0), speed_mps=1.0), np.random.default_rng(0))
     at = []
     for _ in range(720):
-        walker.walk(0.1, 99.0, 99.0, 0.3)
+        walker.walk(0.1, [])
         at.append(walker.x_m)
     assert at[28] == 0.0
     assert at[41] == at[630] == 1.0
