@@ -1,0 +1,38 @@
+"""The commands that executors run: `ski host` for a part of a mission, `ski board serve` for the keeper, and nothing else."""
+
+import sys
+from pathlib import Path
+
+from blackboard.link.session import LinkParams
+from blackboard.processes.executor import ProcessPlan
+from blackboard.processes.protocol import KEEPER, HostOrder
+
+SKI = (sys.executable, "-m", "blackboard.command.main")
+
+
+def host_plan(order: HostOrder, link: LinkParams, state: Path) -> ProcessPlan:
+    """Return how the host of an order is run."""
+    command = [*SKI, "host", order.mission, "--name", order.name, *_link(link)]
+    command += ["--seed", str(order.seed), "--pace", repr(order.pace), "--state", str(state / "hosts" / order.name)]
+    for setting in order.settings:
+        command += ["--set", setting]
+    return ProcessPlan(
+        name=order.name,
+        robot=order.robot,
+        command=(*command, "--leashed"),
+        restart=order.restart,
+        restarts=order.restarts,
+        within_s=order.within_s,
+        hang_s=order.hang_s,
+        stop_s=order.stop_s,
+    )
+
+
+def keeper_plan(link: LinkParams, folder: Path) -> ProcessPlan:
+    """Return how the keeper is run: always there, since everything goes through it."""
+    command = (*SKI, "board", "serve", *_link(link), "--folder", str(folder), "--leashed")
+    return ProcessPlan(name=KEEPER, command=command, restart="always", restarts=100, stop_s=10.0)
+
+
+def _link(link: LinkParams) -> list[str]:
+    return ["--connect", link.address, *(["--keys", str(link.keys)] if link.keys is not None else [])]
