@@ -60,15 +60,20 @@ def read_origin(attachment: bytes) -> Origin:
     return Origin(host, boot, lane, number)
 
 
-def read_payload(key: str, payload: bytes) -> JournalLine:
-    """Return what a payload that came under `key` says, its value still JSON; raise MessageError where it is not an entry of it."""
+def read_payload(key: str | None, payload: bytes) -> JournalLine:
+    """Return what a payload that came under `key` (None: in a batch) says, its value still JSON.
+
+    Raises MessageError where it is not an entry, or one of another key.
+    """
     if len(payload) > MAX_MESSAGE_BYTES:
-        raise MessageError(f"{key}: the message has {len(payload)} bytes, the limit is {MAX_MESSAGE_BYTES}")
+        raise MessageError(
+            f"{key or 'an envelope'}: the message has {len(payload)} bytes, the limit is {MAX_MESSAGE_BYTES}"
+        )
     try:
         line = _LINE.decode(payload)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise MessageError(f"{key}: not an entry of a board ({error})") from None
-    if line.key != key:
+        raise MessageError(f"{key or 'an envelope'}: not an entry of a board ({error})") from None
+    if key is not None and line.key != key:
         raise MessageError(f"{key}: the message says that it is for {line.key}")
     if line.origin is not None:
         raise MessageError(f"{key}: an origin stands in keepers' journals only; drop 'origin'")

@@ -100,6 +100,7 @@ class Session:
             express=express,
             encoding=self._zenoh.Encoding.APPLICATION_JSON,
             congestion_control=self._zenoh.CongestionControl.DROP,
+            allowed_destination=self._zenoh.Locality.REMOTE,
         )
 
     def subscribe(self, expression: str, sink: Callable[[Arrived], None]) -> None:
