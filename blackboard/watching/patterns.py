@@ -1,0 +1,25 @@
+"""What people write for keys becomes zenoh's key expressions, and back."""
+
+from blackboard.key_expressions import check_expression
+
+EVERYTHING = "**"
+
+
+def expression_of(pattern: str) -> str:
+    """Return the key expression that a pattern means; raise BoardError where it is none.
+
+    What does not begin with `ski/` is meant on every robot's board. What holds no wildcard means itself and all below it.
+    """
+    whole = pattern if pattern.startswith("ski/") or pattern == "ski" else f"ski/*/{pattern}"
+    if "*" not in pattern:
+        whole += "/**"
+    elif pattern == EVERYTHING:
+        whole = "ski/**"
+    check_expression(whole)
+    return whole
+
+
+def on_board(key: str) -> str:
+    """Return a key without `ski/<robot>/`, whole where it is no key of a board."""
+    chunks = key.split("/", 2)
+    return chunks[2] if len(chunks) == 3 and chunks[0] == "ski" else key
