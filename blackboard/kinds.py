@@ -9,7 +9,19 @@ from typing import Generic, TypeVar
 
 from blackboard.errors import BoardError
 from blackboard.key_expressions import is_chunk
-from blackboard.messages import conflicts, control, hosts, mapping, model, motion, routes, sensing, symbols, world
+from blackboard.messages import (
+    conflicts,
+    control,
+    hosts,
+    mapping,
+    model,
+    motion,
+    processes,
+    routes,
+    sensing,
+    symbols,
+    world,
+)
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
 
@@ -113,6 +125,7 @@ MISSION = slot("status/mission", motion.MissionStatus, "how the mission stands; 
 COMPONENT = collection("status/component", control.ComponentStatus, "whether a component works", shared=True)
 BEHAVIOUR = collection("status/behaviour", motion.BehaviourStatus, "where a behaviour stands", shared=True)
 HOST = collection("status/host", hosts.HostStatus, "how a process of the mission fares", shared=True, recorded=False)
+PROCESS = collection("status/process", processes.ProcessStatus, "how a host's process fares", shared=True, recorded=False)
 TRUE_POSE = slot("status/true_pose", Pose, "where a simulated robot really is: for scores only", recorded=False)
 ROBOT_SUMMARY = slot("status/robot_summary", hosts.RobotSummary, "a robot's own figures", recorded=False)
 RESPONSE = collection("commands/response", motion.Response, "a behaviour's answer to the newest readings", shared=True)
