@@ -46,6 +46,16 @@ class Access:
         self._may_read(kind)
         return self._board.entries(kind, area=area, since_s=since_s, until_s=until_s)
 
+    def own(self, kind: Kind[M]) -> list[Entry[M]]:
+        """Return what stands of a kind by this component's posting: after a restart, also what it does not remember."""
+        return [entry for entry in self.entries(kind) if entry.source == self.name]
+
+    def last_number(self, kind: Kind[Any], prefix: str = "") -> int:
+        """Return the highest number among the ids `<prefix><number>` that stand or stood, 0 where there is none."""
+        self._may_read(kind)
+        numbers = [id_[len(prefix) :] for id_ in self._board.ids(kind) if id_.startswith(prefix)]
+        return max((int(n) for n in numbers if n.isascii() and n.isdigit()), default=0)
+
     def revisions(self, support: Support) -> list[Entry[Any]]:
         """Return those revisions of a stretch that the board still holds, oldest first."""
         return self._board.revisions(support)

@@ -98,6 +98,12 @@ class Board:
             found = [self._standing[key] for key in self._members.get(kind.path, {}).values()]
         return [e for e in found if _within(e, area, since_s, until_s)]
 
+    def ids(self, kind: Kind[Any]) -> list[str]:
+        """Return the ids of a collection that stand, and those that stood before as far as they are remembered."""
+        prefix = f"ski/{self.robot}/{kind.path}/"
+        gone = [key[len(prefix) :] for key in (*self._gone, *self.history.retired) if key.startswith(prefix)]
+        return list(dict.fromkeys((*self._members.get(kind.path, {}), *gone)))
+
     def select(
         self,
         expression: str = "**",

@@ -31,6 +31,9 @@ M = TypeVar("M", bound=Message)
 UNNAMED = "robot"  # the name of a robot whose mission gives none: on the board it is called as its description says
 
 
+WIRING = ("params", "name", "reads", "triggers", "posts", "rating", "work", "provides")  # as a mission has it, no state
+
+
 @dataclass(frozen=True)
 class NoParams:
     """For components that have nothing to set."""
@@ -44,11 +47,26 @@ class Component(Generic[P]):
 
     Params: ClassVar[type[Any]] = NoParams
     reads: Sequence[Kind[Any]] = ()  # what it reads beside its triggers
+    derived: ClassVar[tuple[str, ...]] = ()  # attributes that follow from parameters or the board: no part of its state
 
     def __init__(self, params: P, *, name: str, seed: int = 0) -> None:
         self.params = params
         self.name = name
         self.rng = np.random.default_rng([seed, zlib.crc32(name.encode())])
+
+    def state(self) -> object:
+        """Return what has to outlive the process, to be pickled at once: its own attributes, unless it says otherwise."""
+        apart = (*WIRING, *self.derived)
+        return {name: value for name, value in vars(self).items() if name not in apart}
+
+    def resume(self, state: object, board: "Access") -> None:
+        """Go on where the process before this one was killed, on the board as it stands.
+
+        `state` is of a while before that, None where nothing was kept. What it has posted since stands: it must number on above
+        that, and post with no older stamps.
+        """
+        if isinstance(state, dict):
+            vars(self).update(state)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ Posts  control/agenda             what waits, when that changes
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, Generic, TypeVar
@@ -26,6 +26,7 @@ from blackboard.kinds import ACTIVATION, ACTIVATION_TIME, AGENDA, COMPONENT, FOC
 from blackboard.messages.base import Message
 from blackboard.messages.control import Activation, ActivationTime, Agenda, ComponentStatus, Focus, Waiting
 from blackboard.parameters import require
+from blackboard.resumption import NOTHING, resume, state_of
 
 M = TypeVar("M", bound=Message)
 CONTROL = "control"  # the name under which the control module posts
@@ -51,6 +52,15 @@ class _Condition(Generic[M]):
         self._units = 0
         self._fired_s: float | None = None
 
+    @property
+    def state(self) -> tuple[int, float | None]:
+        """What it has seen: units, and when it last fired."""
+        return self._units, self._fired_s
+
+    @state.setter
+    def state(self, seen: tuple[int, float | None]) -> None:
+        self._units, self._fired_s = seen
+
     def holds(self, entry: Entry[M], now_s: float) -> bool:
         trigger = self.trigger
         if not trigger.conditional:
@@ -73,6 +83,7 @@ class _Source:
     def __init__(self, source: KnowledgeSource[Any], board: Board) -> None:
         self.source = source
         self.triggers = as_triggers(source)
+        self.conditions = [_Condition(trigger) for trigger in self.triggers]
         kinds = [trigger.kind for trigger in self.triggers]
         self.access = Access(board, source.name, [*kinds, *source.reads], source.posts)
         self.records: deque[tuple[int, Entry[Any]]] = deque()  # (order of arrival, trigger)
@@ -111,9 +122,34 @@ class Control:
         board.subscribe(f"ski/{board.robot}/{FOCUS.path}/*", self._focus)
         for held in self._sources:
             self._by_name[held.source.name] = held
-            for trigger in held.triggers:
+            for trigger, condition in zip(held.triggers, held.conditions, strict=True):
                 expression = f"ski/{board.robot}/{trigger.kind.path}" + ("/*" if trigger.kind.collection else "")
-                board.subscribe(expression, self._noting(held, _Condition(trigger)))
+                board.subscribe(expression, self._noting(held, condition))
+
+    def states(self) -> dict[str, object]:
+        """Return what has to outlive the process, by component, to be pickled at once: of the sources, and its own."""
+        own = {
+            held.source.name: ([condition.state for condition in held.conditions], list(held.records))
+            for held in self._sources
+        }
+        return {**{held.source.name: state_of(held.source) for held in self._sources}, CONTROL: own}
+
+    def resume(self, states: Mapping[str, object] = NOTHING) -> None:
+        """Go on after a restart, on the board as it stands: each source from its state, with what waited and rules' focus."""
+        own = states.get(CONTROL)
+        for held in self._sources:
+            went_on = resume(held.source, states, held.access, self._board)
+            if went_on and isinstance(own, dict) and held.source.name in own:
+                conditions, records = own[held.source.name]
+                for condition, seen in zip(held.conditions, conditions, strict=True):
+                    condition.state = seen
+                held.records.extend(records)
+                self._arrivals = max([self._arrivals, *(order for order, _ in records)])
+        for entry in self._board.entries(FOCUS):
+            self._focus(entry)
+        agenda = self._board.newest(AGENDA)
+        if agenda is not None:
+            self._shown, self._dropped = agenda.value, agenda.value.dropped
 
     @property
     def waiting(self) -> int:

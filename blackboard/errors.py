@@ -36,6 +36,10 @@ class LinkError(SkiError):
     """A process cannot speak with the board's keeper: a wrong address, nobody there, no keys or the wrong ones."""
 
 
+class CheckpointError(SkiError):
+    """A checkpoint cannot be written, or what was found is none that may be used."""
+
+
 class ComponentFailed(SkiError):
     """A component raised while running under `--strict`."""
 

@@ -61,6 +61,11 @@ class History:
         elif self._retired and entry.key in self._retired:
             del self._retired[entry.key]
 
+    @property
+    def retired(self) -> list[str]:
+        """The keys retracted last, oldest first."""
+        return list(self._retired)
+
     def last_revision(self, key: str) -> int:
         """Return the number of the newest revision remembered, 0 for none."""
         recent = self._recent.get(key)

@@ -1,11 +1,13 @@
 """The planner on the board: it hears of every post, decides once a cycle, and where it fails the robot goes on without it."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from blackboard.access import Access
 from blackboard.board import Board
 from blackboard.component import Parts, Planner
 from blackboard.control import report_failure
+from blackboard.resumption import NOTHING, resume, state_of
 
 
 class Planning:
@@ -29,6 +31,15 @@ class Planning:
         except Exception as error:
             self.planner = None
             report_failure(self._board, planner.name, error, None, strict=self._strict)
+
+    def states(self) -> dict[str, object]:
+        """Return what has to outlive the process, by component, to be pickled at once."""
+        return {} if self.planner is None else {self.planner.name: state_of(self.planner)}
+
+    def resume(self, states: Mapping[str, object] = NOTHING) -> None:
+        """Let the planner go on after a restart, on the board as it stands."""
+        if self.planner is not None:
+            resume(self.planner, states, self._access, self._board)
 
     def close(self) -> None:
         """Let go of what the planner holds."""

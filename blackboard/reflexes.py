@@ -11,7 +11,7 @@ Posts  control/switch/..., where the coordinator reads switches
        commands/response/<behaviour>, commands/velocity, status/behaviour/<behaviour>
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from msgspec.structs import replace
@@ -26,6 +26,7 @@ from blackboard.kinds import BEHAVIOUR, MOTIVATION, RESPONSE, SWITCH, VELOCITY
 from blackboard.messages.motion import BehaviourStatus, Motivation, Response, Velocity
 from blackboard.messages.sensing import RobotDescription
 from blackboard.mission import Wiring
+from blackboard.resumption import NOTHING, resume, show_anew, state_of
 from blackboard.switches import Switches
 
 PROGRESS_STEP_M = 0.25  # how far a behaviour has to go is told in such steps: its status is news, not a stream
@@ -61,6 +62,22 @@ class _Held:
         elif self.selected:
             self.behaviour.deselect()
         self.selected = motivation.on and not self.refused
+
+    def resume(self, state: object, board: Board) -> None:
+        """Go on after a restart as the board says: selected by the same motivation, from the state that was kept while it stood."""
+        name = self.behaviour.name
+        self.asked = board.newest(MOTIVATION, name)
+        self.answering = board.newest(RESPONSE, name) is not None
+        standing = board.newest(BEHAVIOUR, name)
+        if standing is None:
+            return
+        self.shown, self.selected = standing.value, standing.value.selected
+        self.taken_up = standing.value.acknowledged
+        number, kept = state if isinstance(state, tuple) else (None, None)
+        if number == self.taken_up:
+            self.behaviour.resume(kept, self.access)
+        elif self.asked is not None and self.asked.value.number == self.taken_up and self.selected:
+            self.taken_up -= 1  # so that it is taken up once more, and acknowledged by the same number
 
     def status(self, inhibited: bool) -> BehaviourStatus:
         """Return where it stands."""
@@ -110,6 +127,27 @@ class Reflexes:
             self._switches = Switches(board, switches_of or coordinator.name)
         self._wired = False
         board.subscribe(f"ski/{board.robot}/{MOTIVATION.path}/*", self._note)
+
+    def states(self) -> dict[str, object]:
+        """Return what has to outlive the process, by component, to be pickled at once."""
+        states: dict[str, object] = {
+            held.behaviour.name: (held.taken_up, state_of(held.behaviour)) for held in self._held if not held.failed
+        }
+        if self._coordinator is not None:
+            states[self._coordinator.name] = state_of(self._coordinator)
+        return states
+
+    def resume(self, states: Mapping[str, object] = NOTHING) -> None:
+        """Go on after a restart, on the board as it stands: motivations are taken up, switches stay as they are."""
+        for held in self._held:
+            try:
+                held.resume(states.get(held.behaviour.name), self._board)
+            except Exception as error:
+                show_anew(self._board, held.behaviour.name, str(error))
+        if self._coordinator is not None and self._coordinator_access is not None:
+            resume(self._coordinator, states, self._coordinator_access, self._board)
+        if self._switches is not None:
+            self._switches.resume()
 
     def respond(self) -> Entry[Velocity] | None:
         """Run one control cycle and return the wanted velocity, None where nobody commands."""

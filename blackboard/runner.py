@@ -5,13 +5,14 @@ The same mission, seed and readings give the same board, byte for byte.
 """
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from blackboard.access import Access
 from blackboard.assembly import assemble
 from blackboard.board import Board
 from blackboard.component import Robot
@@ -22,6 +23,7 @@ from blackboard.messages.geometry import IDENTITY, Pose
 from blackboard.mission import Mission
 from blackboard.planning import Planning
 from blackboard.reflexes import Reflexes
+from blackboard.resumption import resume, state_of
 from blackboard.safety_watch import SafetyWatch
 
 Progress = Callable[[float, float], None]  # elapsed and total seconds on the mission's clock
@@ -112,6 +114,22 @@ class Run:
         self.control.run_cycle()
         if self.planning is not None:
             self.planning.decide()
+
+    def states(self) -> dict[str, object]:
+        """Return what has to outlive the run, by component, to be pickled at once."""
+        modules = (self.control, self._reflexes, self._safety, self.planning)
+        states: dict[str, object] = {self.robot.name: state_of(self.robot)}
+        return states | {name: state for part in modules if part is not None for name, state in part.states().items()}
+
+    def resume(self, board: Iterable[Entry[Any]], states: Mapping[str, object], now_s: float) -> None:
+        """Go on in the place of a run that was lost at `now_s`: with the entries of its board, each component from its state."""
+        self.board.load(board)
+        self.board.now_s = now_s
+        self._cycle = round((now_s - self.robot.start_s) / self.mission.params.step_s) + 1
+        resume(self.robot, states, Access(self.board, self.robot.name, self.board.vocabulary, ()), self.board)
+        for part in (self._safety, self._reflexes, self.control, self.planning):
+            if part is not None:
+                part.resume(states)
 
     @property
     def over(self) -> bool:

@@ -3,6 +3,7 @@
 Posts  commands/drive    Drive
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from blackboard.access import Access
@@ -12,6 +13,7 @@ from blackboard.control import report_failure
 from blackboard.entry import Entry, Support
 from blackboard.kinds import DRIVE
 from blackboard.messages.motion import Drive, Velocity
+from blackboard.resumption import NOTHING, resume, state_of
 
 STOP = Drive(forward_mps=0.0, turn_radps=0.0, limited_by="no command")
 
@@ -24,6 +26,15 @@ class SafetyWatch:
         self._strict = strict
         self._safety: SafetyLayer[Any] | None = safety
         self._access = Access(board, safety.name, safety.reads, ())
+
+    def states(self) -> dict[str, object]:
+        """Return what has to outlive the process, by component, to be pickled at once."""
+        return {} if self._safety is None else {self._safety.name: state_of(self._safety)}
+
+    def resume(self, states: Mapping[str, object] = NOTHING) -> None:
+        """Go on after a restart, on the board as it stands."""
+        if self._safety is not None:
+            resume(self._safety, states, self._access, self._board)
 
     def limit(self, wanted: Entry[Velocity] | None) -> Drive:
         """Post and return what goes to the wheels; `wanted` is None when nobody commands."""

@@ -21,16 +21,28 @@ class Switches:
         self._board = board
         self._owner = owner
         self._behaviours: tuple[str, ...] = ()
+        self._resumed = False
         self._adjusted: dict[str, dict[str, Switch]] = {}  # by who adjusts, then by whose line it is in
 
     def wire(self, wirings: Mapping[str, Wiring]) -> None:
         """Put a switch on the board for each behaviour and for each level."""
         self._behaviours = tuple(wirings)
         for behaviour, wiring in wirings.items():
-            switch = Switch(gain=wiring.gain, threshold=wiring.threshold, level=wiring.level)
-            self._board.post(SWITCH, switch, id=behaviour, source=self._owner)
+            self._wire(behaviour, Switch(gain=wiring.gain, threshold=wiring.threshold, level=wiring.level))
         for level in dict.fromkeys(wiring.level for wiring in wirings.values() if wiring.level):
-            self._board.post(SWITCH, Switch(), id=level, source=self._owner)
+            self._wire(level, Switch())
+
+    def resume(self) -> None:
+        """Go on after a restart with the switches as they stand: those wired, and those that behaviours put in."""
+        self._resumed = True
+        for entry in self._board.entries(SWITCH):
+            behaviour, dot, by = str(entry.id).rpartition(".")
+            if dot and by == entry.source:
+                self._adjusted.setdefault(by, {})[behaviour] = entry.value
+
+    def _wire(self, name: str, switch: Switch) -> None:
+        if not self._resumed or self._board.newest(SWITCH, name) is None:
+            self._board.post(SWITCH, switch, id=name, source=self._owner)
 
     def adjust(self, by: str, wanted: Mapping[str, Switch], supports: tuple[Support, ...]) -> None:
         """Let the behaviour `by` have just these switches in the lines of others, by their names; raise MissionError for others."""

@@ -15,6 +15,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from blackboard.messages.geometry import Pose
+from sim.kept_state import as_record
 from sim.passages import Passage, passages
 from sim.world import World
 
@@ -64,6 +65,17 @@ class Disturber:
             if kind in kinds and (kind != "door" or passage is not None):
                 self._events.append(_Event(kind, due_s, passage))
         _keep_apart(self._events)
+
+    def state(self) -> object:
+        """Return what came and went, to be pickled at once; what is still to come is drawn the same again."""
+        return {"version": self.version, "came": [(e.due_s, e.came_s, e.left, e.place) for e in self._events]}
+
+    def resume(self, state: object) -> None:
+        """Go on from a state."""
+        record = as_record(state)
+        self.version = record["version"]
+        for event, came in zip(self._events, record["came"], strict=True):
+            event.due_s, event.came_s, event.left, event.place = came
 
     def notice(self, now_s: float, robot: Pose, forward_mps: float, world: World) -> None:
         """Let what is due come or go, given where the robot is and how fast it drives."""

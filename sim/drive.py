@@ -7,6 +7,7 @@ from math import atan2, cos, hypot, sin
 import numpy as np
 
 from blackboard.messages.geometry import Pose, wrap_angle
+from sim.kept_state import as_record
 from sim.people import SKIN_M, RoundBody
 from sim.sensor_models import Body
 from sim.shapes import Neighbourhood, Shapes
@@ -66,6 +67,25 @@ class Base:
     @property
     def pose(self) -> Pose:
         return Pose(x_m=self.x_m, y_m=self.y_m, heading_rad=self.heading_rad)
+
+    def state(self) -> object:
+        """Return where it is and how it moves, to be pickled at once."""
+        return {name: value for name, value in vars(self).items() if name not in ("_body", "_look_m", "_near")}
+
+    def resume(self, state: object) -> None:
+        """Go on from a state."""
+        vars(self).update(as_record(state))
+        self._room_m = 0.0
+
+    def put(self, pose: Pose) -> bool:
+        """Stand at a pose, if there is room among what stands still; say whether there is."""
+        here = self.x_m, self.y_m
+        self.x_m, self.y_m, self._room_m = pose.x_m, pose.y_m, 0.0
+        if not self.fits_in(self._near.at(pose.x_m, pose.y_m)):
+            self.x_m, self.y_m = here
+            return False
+        self.heading_rad = pose.heading_rad
+        return True
 
     def fits_in(self, shapes: Shapes) -> bool:
         """Say whether the body, where it is, fits between these things."""

@@ -6,6 +6,7 @@ from math import cos, sin, sqrt
 import numpy as np
 
 from blackboard.messages.geometry import Pose, wrap_angle
+from sim.kept_state import as_record
 from sim.sensor_models import OdometryModel
 
 
@@ -58,6 +59,18 @@ class Odometer:
         self._rng = rng
         self._true = start
         self.pose = start
+
+    def state(self) -> object:
+        """Return what it has added up, and its random numbers, to be pickled at once."""
+        return {name: value for name, value in vars(self).items() if name != "_model"}
+
+    def resume(self, state: object) -> None:
+        """Go on from a state."""
+        vars(self).update(as_record(state))
+
+    def put(self, true: Pose, told: Pose) -> None:
+        """Begin anew where the robot really is, with what the wheels have told so far."""
+        self._true, self.pose = true, told
 
     def read(self, true: Pose, distance_m: float, turn_rad: float) -> Pose:
         """Return the odometry pose now that the robot has come to `true` over a way and a turn since the last call."""

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from blackboard.parameters import require
+from sim.kept_state import as_record
 
 ARM_M = 0.5  # a courteous person keeps this from the robot's surface to their own
 PASSING_M = 0.3  # and passes it where this much is left between them
@@ -83,6 +84,14 @@ class Walker:
     def waiting(self) -> bool:
         """Say whether a robot is in the way."""
         return self._waited_s > 0.0
+
+    def state(self) -> object:
+        """Return how far somebody has come, to be pickled at once."""
+        return {name: value for name, value in vars(self).items() if name != "person"}
+
+    def resume(self, state: object) -> None:
+        """Go on from a state."""
+        vars(self).update(as_record(state))
 
     def walk(
         self,

@@ -36,6 +36,13 @@ class RobotModel:
         ranges += [sensor.max_range_m for sensor in (self.sonar, self.camera) if sensor is not None]
         return self.body.radius_m + max(ranges, default=0.0)
 
+    def rates_hz(self) -> dict[tuple[str, int], float]:
+        """Return how often each sensor is read, by its kind and number."""
+        rates = {("odometry", 0): self.odometry.rate_hz, ("battery", 0): self.battery.rate_hz}
+        rates |= {("laser", number): laser.rate_hz for number, laser in enumerate(self.lasers)}
+        single = {("sonar", 0): self.sonar, ("camera", 0): self.camera}
+        return rates | {sensor: model.rate_hz for sensor, model in single.items() if model is not None}
+
     def description(self, name: str | None = None) -> RobotDescription:
         """Return what the robot tells of itself, called `name` or as its file says: no word of its errors."""
         sonar, camera = self.sonar, self.camera

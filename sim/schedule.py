@@ -1,8 +1,11 @@
 """When a robot's sensors are due, and its readings until somebody asks for them."""
 
+from collections.abc import Mapping
+from math import ceil
 from typing import Any
 
 from blackboard.component import Reading
+from sim.kept_state import as_record
 from sim.sensor_models import TICKS_PER_S
 
 
@@ -13,6 +16,18 @@ class Schedule:
         self._counts: dict[tuple[str, int], int] = {}
         self._late: list[tuple[int, Reading[Any]]] = []
         self._come: list[tuple[int, Reading[Any]]] = []  # by the step in which they came
+
+    def state(self) -> object:
+        """Return all of it, to be pickled at once."""
+        return dict(vars(self))
+
+    def resume(self, state: object) -> None:
+        """Go on from a state."""
+        vars(self).update(as_record(state))
+
+    def skip(self, rates_hz: Mapping[tuple[str, int], float], tick: int) -> None:
+        """Begin after a step as if all that was due until then had come."""
+        self._counts = {sensor: ceil((tick + 1) / TICKS_PER_S * hz) for sensor, hz in rates_hz.items()}
 
     def is_due(self, sensor: str, number: int, rate_hz: float, tick: int) -> bool:
         """Say whether a sensor's next reading is due, and count it."""

@@ -14,16 +14,17 @@ others and of what they sense.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import inf, pi
+from math import floor, inf, pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from blackboard.access import Access
 from blackboard.component import UNNAMED, Reading, Robot, WorldTruth
 from blackboard.errors import MissionError
-from blackboard.kinds import BATTERY, BLOBS, BUMPER, LASER_SCAN, ODOMETRY, SONAR_SCAN
-from blackboard.messages.geometry import Pose, wrap_angle
+from blackboard.kinds import BATTERY, BLOBS, BUMPER, LASER_SCAN, MAP_FROM_ODOM, ODOMETRY, SONAR_SCAN
+from blackboard.messages.geometry import IDENTITY, Pose, wrap_angle
 from blackboard.messages.motion import Drive
 from blackboard.messages.sensing import (
     Battery,
@@ -39,6 +40,7 @@ from sim.camera import camera_fan, look
 from sim.disturbances import Disturbance, Disturber
 from sim.dock import Charge
 from sim.drive import Base
+from sim.kept_state import as_record
 from sim.laser import laser_sweep, sweep_ranges
 from sim.odometer import Odometer, drawn
 from sim.people import Walker
@@ -51,6 +53,11 @@ from sim.starts import check_apart, check_same_world, start_pose
 from sim.surroundings import Surroundings
 from sim.together import Together
 from sim.world_by_name import load_world
+
+KEPT = (  # what outlives a process, beside what the parts keep
+    *("_sonar_rng", "_laser_rng", "_camera_rng", "_echoes_lost", "_cross_talk"),
+    *("_told_way_m", "_told_turn_rad", "_bumper", "_charge_fraction", "_charge"),
+)
 
 
 @dataclass(frozen=True)
@@ -161,12 +168,57 @@ class SimulatedRobot(Robot[SimulatedRobotParams]):
         self._charge_fraction = self.params.start_charge_fraction
         self._charge = Charge(given=self._charge_fraction - 1.0)
         self._echoes_lost = self._cross_talk = 0
+        self._said_s: dict[
+            type[Any], float
+        ] = {}  # by what it is, the stamp of what a process before this one said last
+
+    def state(self) -> object:
+        return {
+            "around": self._around.state(),
+            "base": self._base.state(),
+            "odometer": self._odometer.state(),
+            "schedule": self._schedule.state(),
+            "tick": self._together.tick,
+            "own": {name: vars(self)[name] for name in KEPT},
+        }
+
+    def resume(self, state: object, board: Access) -> None:
+        """Go on where the world was: what is true of it outlives the process. The wheels stand still until they are commanded."""
+        if state is None:
+            self._resume_by_board(board)
+        else:
+            record = as_record(state)
+            self._around.resume(record["around"])
+            self._base.resume(record["base"])
+            self._odometer.resume(record["odometer"])
+            self._schedule.resume(record["schedule"])
+            self._together.tick = record["tick"]
+            vars(self).update(record["own"])
+        self._wanted = (0.0, 0.0)
+        standing = [entry for kind in self.provides if (entry := board.newest(kind)) is not None]
+        self._said_s = {type(entry.value): entry.stamp_s for entry in standing}
+
+    def _resume_by_board(self, board: Access) -> None:
+        """Nothing was kept: the robot stands where it is believed to be, if it can, and the wheels' account goes on."""
+        odometry, correction = board.newest(ODOMETRY), board.newest(MAP_FROM_ODOM)
+        if odometry is None:
+            return
+        self._base.put((correction.value if correction is not None else IDENTITY) @ odometry.value.pose)
+        self._odometer.put(self._base.pose, odometry.value.pose)
+        self._together.tick = max(self._together.tick, floor(odometry.stamp_s * TICKS_PER_S + 1e-6))
+        self._schedule.skip(self._model.rates_hz(), self._together.tick)
+        battery = board.newest(BATTERY)
+        if battery is not None:
+            self._charge_fraction = battery.value.charge_fraction
+            used = odometry.stamp_s / self._model.battery.standing_s
+            self._charge = Charge(given=self._charge_fraction - 1.0 + used)
 
     def drive(self, command: Drive) -> None:
         self._wanted = (command.forward_mps, command.turn_radps)
 
     def advance(self, until_s: float) -> Iterator[Reading[Any]]:
-        return iter(self._schedule.take(self._together.advance(until_s)))
+        readings = self._schedule.take(self._together.advance(until_s))
+        return (r for r in readings if r.stamp_s > self._said_s.get(type(r.value), -inf))
 
     def true_pose(self) -> Pose:
         return self._base.pose

@@ -8,6 +8,7 @@ import shapely
 
 from sim.disturbances import Disturber
 from sim.drive import APART_M, TOUCH_M, Base
+from sim.kept_state import as_record
 from sim.people import RoundBody, Walker
 from sim.shapes import Neighbourhood, Shapes
 from sim.world import World
@@ -28,6 +29,7 @@ class Surroundings:
         self._reaches_m: list[float] = []
         self._sensed: list[Neighbourhood] = []  # of each robot
         self._touching: set[frozenset[int]] = set()
+        self._first = world
         self._still, self._later = world, world.later  # as its file says; what it becomes
         self._changes = bool(world.later) or disturber is not None
         self._version = 0  # of the disturber's, the one that stands
@@ -39,6 +41,31 @@ class Surroundings:
         self._reaches_m.append(reach_m)
         self._sensed.append(Neighbourhood(self.world.shapes, reach_m))
         return len(self._bodies) - 1
+
+    def state(self) -> object:
+        """Return what has come, gone and walked, and who touches whom, to be pickled at once."""
+        return {
+            "passed": len(self._first.later) - len(self._later),
+            "version": self._version,
+            "walkers": [walker.state() for walker in self.walkers],
+            "disturber": None if self.disturber is None else self.disturber.state(),
+            "meetings": self.meetings,
+            "touching": self._touching,
+        }
+
+    def resume(self, state: object) -> None:
+        """Go on from a state."""
+        record = as_record(state)
+        for walker, kept in zip(self.walkers, record["walkers"], strict=True):
+            walker.resume(kept)
+        if self.disturber is not None:
+            self.disturber.resume(record["disturber"])
+        passed, self._version = record["passed"], record["version"]
+        self.meetings, self._touching = record["meetings"], record["touching"]
+        self._still = self._first.later[passed - 1][1] if passed else self._first
+        self._later = self._first.later[passed:]
+        stands = self.disturber is not None and self._version > 0
+        self._stand(self.disturber.standing_in(self._still) if self.disturber and stands else self._still)
 
     def pass_time(self, now_s: float, dt_s: float) -> None:
         """Let what is due come and go, and people walk."""
@@ -97,11 +124,15 @@ class Surroundings:
         if have_room and bool(
             shapely.contains_xy(world.free, places).all()
         ):  # else something larger stands over somebody
-            self.world, self._still, self._version = world, still, version
+            self._still, self._version = still, version
             self._later = self._later[1:] if due else self._later
-            self._sensed = [Neighbourhood(world.shapes, reach_m) for reach_m in self._reaches_m]
-            for body in self._bodies:
-                body.stand_in(world.shapes)
+            self._stand(world)
+
+    def _stand(self, world: World) -> None:
+        self.world = world
+        self._sensed = [Neighbourhood(world.shapes, reach_m) for reach_m in self._reaches_m]
+        for body in self._bodies:
+            body.stand_in(world.shapes)
 
     def _fits(self, x_m: float, y_m: float, radius_m: float) -> bool:
         return _fits_in(self.world.shapes, x_m, y_m, radius_m)
