@@ -34,13 +34,16 @@ class Inbox:
         self._streams: dict[Stream, _Position] = {}
         self.skipped = 0  # envelopes that could not be had
 
-    def start(self, positions: Positions) -> None:
-        """Begin where a snapshot ends: what it holds is not asked for."""
+    def start(self, positions: Positions) -> list[Envelope]:
+        """Begin where a snapshot ends: what it holds is not asked for. Return what came early and can be delivered now."""
+        delivered: list[Envelope] = []
         for stream, number in _flat(positions):
             position = self._streams.setdefault(stream, _Position())
             position.number = max(position.number, number)
             position.told = max(position.told, number)
             position.early = {n: e for n, e in position.early.items() if n > position.number}
+            delivered += _follow(position)
+        return delivered
 
     def take(self, envelope: Envelope) -> list[Envelope]:
         """Return what can be delivered now that this one has come, in order."""

@@ -311,7 +311,8 @@ class Replica:
                 self.board.accept(entry)
         else:
             self.board.load(entries)
-        self._inbox.start(header.lanes)
+        for envelope in self._inbox.start(header.lanes):
+            self._deliver(envelope)
         return header
 
     def _measure(self) -> None:
