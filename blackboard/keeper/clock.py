@@ -1,0 +1,83 @@
+"""The mission clock of one robot's board: begun once, kept over restarts of the keeper by the machine's wall clock."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from threading import Lock
+
+import msgspec
+
+from blackboard.errors import MessageError
+
+FILE_NAME = "clock.json"
+
+
+class Begun(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When the clock began, by wall time, what it said then, and how many of its seconds pass in one."""
+
+    wall_s: float
+    begin: float
+    pace: float
+
+
+class ClockQuestion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the keeper is asked: nothing, or to begin the clock where it has not begun."""
+
+    begin: float | None = None
+    pace: float = 1.0
+
+
+class ClockAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """The mission's clock (None: not begun), the keeper's wall clock, and seconds of the first in one of the second."""
+
+    now_s: float | None
+    wall_s: float
+    pace: float
+
+
+class MissionClock:
+    """Answers from whatever thread asks. `wall` is the machine's clock, in seconds."""
+
+    def __init__(self, folder: Path, wall: Callable[[], float]) -> None:
+        self._path = folder / FILE_NAME
+        self._wall = wall
+        self._lock = Lock()
+        self._begun: Begun | None = None
+        try:
+            self._begun = msgspec.json.decode(self._path.read_bytes(), type=Begun)
+        except (OSError, msgspec.DecodeError, UnicodeDecodeError):
+            self._begun = None
+
+    @property
+    def now_s(self) -> float | None:
+        """The mission's clock; None where it has not begun."""
+        begun = self._begun
+        return None if begun is None else begun.begin + (self._wall() - begun.wall_s) * begun.pace
+
+    def answer(self, question: bytes) -> ClockAnswer:
+        """Answer a question, beginning the clock if it asks for that; raise MessageError where it is none."""
+        try:
+            asked = msgspec.json.decode(question, type=ClockQuestion) if question else ClockQuestion()
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+            raise MessageError(f"not a question for the clock ({error}); ask nothing, or begin and pace") from None
+        if asked.begin is not None:
+            if not (abs(asked.begin) <= 1e10 and 0 < asked.pace <= 1e4):
+                raise MessageError(f"a clock begins within 1e10 s of zero at a pace up to 10000, not {question[:80]!r}")
+            self._begin(asked.begin, asked.pace)
+        begun = self._begun
+        return ClockAnswer(now_s=self.now_s, wall_s=self._wall(), pace=begun.pace if begun is not None else 1.0)
+
+    def _begin(self, begin: float, pace: float) -> None:
+        with self._lock:
+            if self._begun is None:
+                begun = Begun(wall_s=self._wall(), begin=begin, pace=pace)
+                replace_file(self._path, msgspec.json.encode(begun))
+                self._begun = begun
+
+
+def replace_file(path: Path, text: bytes) -> None:
+    """Write a file so that at every moment either the old or the new one is there, whole. Raises OSError."""
+    beside = path.with_name(path.name + ".new")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside.write_bytes(text)
+    os.replace(beside, path)  # noqa: PTH105
