@@ -10,11 +10,11 @@ def expression_of(pattern: str) -> str:
 
     What does not begin with `ski/` is meant on every robot's board. What holds no wildcard means itself and all below it.
     """
-    whole = pattern if pattern.startswith("ski/") or pattern == "ski" else f"ski/*/{pattern}"
+    if pattern == EVERYTHING:
+        return "ski/**"
+    whole = pattern if pattern.startswith("ski/") else f"ski/*/{pattern}"
     if "*" not in pattern:
         whole += "/**"
-    elif pattern == EVERYTHING:
-        whole = "ski/**"
     check_expression(whole)
     return whole
 

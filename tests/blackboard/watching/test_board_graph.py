@@ -72,6 +72,15 @@ def test_a_mission_as_its_components_declare_it(lab: BoardGraph) -> None:
         assert not set(one.woken_by) & set(one.reads), one.name
 
 
+def test_hosts_are_told_where_the_mission_file_tells_them(lab: BoardGraph) -> None:
+    assert {one.host for one in lab.members} == {""}
+    mission = load_mission(find_mission("explore-lab"), {"hosts.maps": {"runs": ["eou_grid", "rules"]}})
+    hosts = {one.name: one.host for one in declared_graph(mission).members}
+    assert (hosts["eou_grid"], hosts["rules"], hosts["line_finder"]) == ("maps", "maps", "knowledge_sources")
+    assert (hosts["robot"], hosts["safety"]) == ("robot", "robot")
+    assert (hosts["avoid_obstacles"], hosts["coordinator"], hosts["control"]) == ("behaviours", "behaviours", "")
+
+
 def test_a_robot_that_does_not_move_has_no_reflexes(tmp_path: Path) -> None:
     mission = tmp_path / "pose.toml"
     mission.write_text(
