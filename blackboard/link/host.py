@@ -12,7 +12,9 @@ from pathlib import Path
 from queue import Empty
 
 from blackboard.assembly import assemble
+from blackboard.checkpoint import mission_identity
 from blackboard.errors import MissionError
+from blackboard.link.kept_states import KeptStates
 from blackboard.link.lanes import Lane
 from blackboard.link.replica import Item, Replica
 from blackboard.link.session import LinkParams, open_session
@@ -70,10 +72,11 @@ class Host:
                 begin_s = robot.start_s if self.plan.robot else None
                 replica.join(begin_s=begin_s, pace=self.options.pace)
                 replica.board.now_s = max(replica.board.now_s, replica.now_s())
-                stages.resume()
+                kept = self._kept(replica)
+                stages.resume(kept.restored())
                 if stages.robot is not None:
                     stages.robot.begin(replica.now_s())
-                self._loop(replica, stages)
+                self._loop(replica, stages, kept)
                 self._finish(replica, stages)
             finally:
                 replica.close()
@@ -85,7 +88,7 @@ class Host:
         if self._replica is not None:
             self._replica.queue.put(lambda: None)
 
-    def _loop(self, replica: Replica, stages: Stages) -> None:
+    def _loop(self, replica: Replica, stages: Stages, kept: KeptStates) -> None:
         board = replica.board
         beaten_s = float("-inf")
         more = False
@@ -104,8 +107,14 @@ class Host:
                     if stages.behaviours is not None:
                         stages.behaviours.answer()
                         stages.robot.obey()
+                    kept.keep_robot(board.now_s, stages.robot)
             board.now_s = max(board.now_s, now_s)
             more = stages.work()
+            kept.keep(board.now_s, stages)
+
+    def _kept(self, replica: Replica) -> KeptStates:
+        identity = mission_identity(self._assembly.mission, self.options.seed)
+        return KeptStates(self.options.state, identity, replica.boot, replica.board)
 
     def _until_due_s(self, replica: Replica, stages: Stages) -> float:
         if not replica.clock.running:

@@ -4,21 +4,24 @@ The robot's stage has the safety layer with it: readings go out, and what comes 
 before it reaches the wheels. A velocity is good for a few cycles only; then the robot stands.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from msgspec import json
 
+from blackboard.access import Access
 from blackboard.assembly import Assembly
 from blackboard.board import Board
 from blackboard.component import Robot
 from blackboard.control import Control
 from blackboard.entry import Entry
-from blackboard.kinds import CYCLE, DRIVE, MISSION, ROBOT, ROBOT_SUMMARY, TRUE_POSE, VELOCITY
+from blackboard.kinds import CYCLE, DRIVE, MAP_FROM_ODOM, MISSION, ROBOT, ROBOT_SUMMARY, TRUE_POSE, VELOCITY
 from blackboard.messages.hosts import CycleBeat, RobotSummary
 from blackboard.messages.motion import Drive, Velocity
 from blackboard.placement import HostPlan
 from blackboard.planning import Planning
 from blackboard.reflexes import Reflexes
+from blackboard.resumption import resume, state_of
 from blackboard.safety_watch import SafetyWatch
 
 COMMAND_GOOD_S = 0.35  # three cycles and a little: the robot stands within half a second of the last command
@@ -44,6 +47,21 @@ class RobotStage:
         self._cycle = 0
         self._told_s = float("-inf")
         self._velocity: Entry[Velocity] | None = None
+
+    def states(self) -> dict[str, object]:
+        """Return what has to outlive the process: above all where a simulated world stands."""
+        return {self.robot.name: state_of(self.robot), **(self._safety.states() if self._safety is not None else {})}
+
+    def resume(self, states: Mapping[str, object]) -> None:
+        """Go on after a restart, the wheels standing."""
+        resume(
+            self.robot,
+            states,
+            Access(self.board, self.robot.name, (*self.robot.provides, MAP_FROM_ODOM), ()),
+            self.board,
+        )
+        if self._safety is not None:
+            self._safety.resume(states)
 
     def begin(self, now_s: float) -> None:
         """Show the robot; its cycles go on from `now_s`, before which the world stood still or went on without commands."""
@@ -125,9 +143,13 @@ class BehaviourStage:
         self._answered: Entry[CycleBeat] | None = None
         self._answered_s = float("-inf")
 
-    def resume(self) -> None:
-        """Take up the motivations that stand."""
-        self._reflexes.resume()
+    def states(self) -> dict[str, object]:
+        """Return what has to outlive the process."""
+        return self._reflexes.states()
+
+    def resume(self, states: Mapping[str, object]) -> None:
+        """Take up the motivations that stand, where this host ran before."""
+        self._reflexes.resume(states)
 
     @property
     def next_s(self) -> float:
@@ -173,14 +195,19 @@ class Stages:
             *([assembly.planner.name] if self.planning is not None and assembly.planner is not None else []),
         ]
 
-    def resume(self) -> None:
-        """Take up what stands on the board: this host may have run before."""
-        if self.behaviours is not None:
-            self.behaviours.resume()
-        if self.control is not None:
-            self.control.resume()
-        if self.planning is not None:
-            self.planning.resume()
+    def states(self) -> dict[str, object]:
+        """Return what has to outlive the process, by component; the robot is asked for its own more often."""
+        states: dict[str, object] = {}
+        for stage in (self.behaviours, self.control, self.planning):
+            if stage is not None:
+                states |= stage.states()
+        return states
+
+    def resume(self, states: Mapping[str, object]) -> None:
+        """Go on from what a process before this one kept, on the board as it stands."""
+        for stage in (self.robot, self.behaviours, self.control, self.planning):
+            if stage is not None:
+                stage.resume(states)
 
     def work(self) -> bool:
         """Do what is due now; say whether something is left that should go on at once."""

@@ -1,0 +1,59 @@
+"""The checkpoints of a host: of its robot every cycle, since the world does not wait, and of the rest every second."""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+from blackboard.board import Board
+from blackboard.checkpoint import SUFFIX, Checkpointer, read_checkpoint
+from blackboard.errors import CheckpointError
+from blackboard.link.stages import RobotStage, Stages
+from blackboard.resumption import show_anew
+
+EVERY_S = 1.0  # on the mission's clock
+
+
+class KeptStates:
+    """What the components of one host must remember, in `folder`; without one nothing is kept."""
+
+    def __init__(self, folder: Path | None, identity: str, boot: str, board: Board) -> None:
+        self._board = board
+        self._identity = identity
+        self._paths: dict[str, Path] = {}
+        self._writers: dict[str, Checkpointer] = {}
+        if folder is not None:
+            for name, every_s in (("robot", 0.0), ("components", EVERY_S)):
+                self._paths[name] = folder / f"{name}{SUFFIX}"
+                self._writers[name] = Checkpointer(self._paths[name], identity, boot=boot, every_s=every_s)
+
+    def restored(self) -> Mapping[str, object]:
+        """Return what was kept before, by component; what cannot be used is told and left."""
+        states: dict[str, object] = {}
+        for path in self._paths.values():
+            try:
+                checkpoint = read_checkpoint(path, self._identity)
+            except CheckpointError as error:
+                sys.stderr.write(f"ski: {error}\n")
+                continue
+            if checkpoint is not None:
+                found, lost = checkpoint.states(self._board.vocabulary)
+                states |= found
+                for name, why in lost.items():
+                    sys.stderr.write(f"ski: {name} begins anew: {why}\n")
+        return states
+
+    def keep_robot(self, now_s: float, robot: RobotStage) -> None:
+        """Write down where the robot and its world stand."""
+        writer = self._writers.get("robot")
+        if writer is not None:
+            self._tell(writer.write(now_s, robot.states()))
+
+    def keep(self, now_s: float, stages: Stages) -> None:
+        """Write down the states of the other components, if it is time."""
+        writer = self._writers.get("components")
+        if writer is not None and writer.is_due(now_s):
+            self._tell(writer.write(now_s, stages.states()))
+
+    def _tell(self, lost: Mapping[str, str]) -> None:
+        for name, why in lost.items():
+            show_anew(self._board, name, why)
