@@ -20,6 +20,7 @@ VERBS = {
     "why": "explain an entry of a run, down to the readings",
     "find": "find objects of a run by kind, place, name or description, and what a place is part of",
     "rules": "check rule files, and see what rules can look at",
+    "host": "run one process of a mission, on the board that a keeper keeps",
     "new": "write a new component to start from",
 }
 EXIT_ERROR = 2
