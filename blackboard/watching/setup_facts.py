@@ -1,0 +1,79 @@
+"""What `ski doctor` gathers about a setup, as plain records: findings are drawn from these alone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Answers = Literal["nobody", "refused", "something else", "certificates", "a router", "a keeper"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeeperFacts:
+    """What the keeper says of itself; counts are since its start."""
+
+    version: str = ""
+    journal_trouble: str = ""  # why it cannot write; empty: it can
+    folder: str = ""
+    refused: Mapping[str, int] = field(default_factory=dict)  # posts, by reason
+    refused_example: Mapping[str, str] = field(default_factory=dict)
+    overflowed: int = 0  # messages dropped because too many waited
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HostFacts:
+    """One host, as its status and its beats tell."""
+
+    robot: str
+    name: str
+    state: str = "alive"
+    version: str = ""
+    machine: str = ""
+    components: tuple[str, ...] = ()
+    offset_s: float = 0.0  # its wall clock minus the keeper's
+    round_trip_s: float = 0.0
+    missed: int = 0  # envelopes that it could not have any more
+    boots: int = 1  # processes of this name that are linked at once
+    lacking: int = 0  # envelopes that it had sent a while ago and the keeper has not got
+
+    @property
+    def called(self) -> str:
+        """Its name for people."""
+        return f"host {self.name}" + (f" on {self.machine}" if self.machine else "")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamFacts:
+    """Something that goes on: a reading, or a knowledge source's activations. Stamps are on the mission's clock."""
+
+    name: str
+    count: int  # how often it has happened
+    stamp_s: float  # of the last time
+    woken_by: str = ""  # the kind that wakes it, of a knowledge source
+    wakers_came: int = 0  # entries of that kind, while the doctor listened
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotFacts:
+    """One robot's board."""
+
+    name: str
+    clock_s: float | None = None  # the mission's clock; None: not begun
+    mission: str = ""  # how it stands: underway, done, given up; empty where nothing says so
+    readings: tuple[StreamFacts, ...] = ()
+    activations: tuple[StreamFacts, ...] = ()
+    failed: Mapping[str, str] = field(default_factory=dict)  # components with what they failed of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetupFacts:
+    """Everything that was found out."""
+
+    address: str
+    version: str  # of the ski that asks
+    answers: Answers
+    trouble: str = ""  # why the link failed, in the words of those who refused
+    with_keys: bool = False
+    keeper: KeeperFacts | None = None
+    robots: tuple[RobotFacts, ...] = ()
+    hosts: tuple[HostFacts, ...] = ()
+    expected: Mapping[str, str] = field(default_factory=dict)  # components of a mission that should run: their hosts
