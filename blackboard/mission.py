@@ -2,17 +2,28 @@
 
 import importlib.resources
 import tomllib
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-from blackboard.component import Behaviour, Component, Coordinator, KnowledgeSource, Planner, Robot, SafetyLayer
+from blackboard.component import (
+    UNNAMED,
+    Behaviour,
+    Component,
+    Coordinator,
+    KnowledgeSource,
+    Planner,
+    Robot,
+    SafetyLayer,
+)
 from blackboard.control import ControlParams
 from blackboard.errors import MissionError, did_you_mean
 from blackboard.history import HistoryParams
 from blackboard.key_expressions import is_chunk
 from blackboard.loading import component_name, load_class
+from blackboard.mission_names import check_names
 from blackboard.parameters import parse_parameters, require
 from blackboard.placement import PREFIX, HostTable, placement, read_hosts
 from blackboard.toml_file import Place, TomlFile, read_toml
@@ -61,10 +72,20 @@ class Spec:
     place: Place
     rating: float | None = None
     wiring: "Wiring" = field(default_factory=lambda: Wiring())
+    of: str = ""  # the robot whose component it is, where a mission has several
 
     def build(self, seed: int) -> Any:
-        """Construct the component with random numbers of its own."""
-        return self.type(self.params, name=self.name, seed=seed)
+        """Construct the component with random numbers of its own; raise MissionError where it cannot be."""
+        if not self.of:
+            return self.type(self.params, name=self.name, seed=seed)
+        try:
+            return self.type(self.params, name=self.name, seed=zlib.crc32(f"{seed} {self.of}".encode()))
+        except MissionError as error:
+            raise self.refused(error) from None
+
+    def refused(self, error: MissionError) -> MissionError:
+        """Return an error that also names file and line: of the parameter that it begins with, else of the table."""
+        return MissionError(f"{self.place.at(str(error).partition(' ')[0])}: {error}")
 
 
 @dataclass(frozen=True)
@@ -83,6 +104,7 @@ class Mission:
     control: ControlParams = field(default_factory=ControlParams)
     history: HistoryParams = field(default_factory=HistoryParams)
     hosts: tuple[HostTable, ...] = ()  # what runs in which process; `placement` makes it whole
+    team: tuple[Spec, ...] = ()  # all robots, where there are several; `robot` is the first
 
 
 TABLES = (
@@ -146,14 +168,15 @@ def load_mission(path: Path, settings: Mapping[str, Mapping[str, Any]] | None = 
             raise MissionError(f"{place.at(table)}: unknown table '{table}'{did_you_mean(table, TABLES)}")
     reader = _Reader(file, {name: dict(table) for name, table in (settings or {}).items()})
     params = parse_parameters(MissionParams, reader.table("mission"), file.place("mission"))
-    robot = reader.component("robot", Robot, default_name="robot")
-    if robot is None:
+    robots = reader.robots()
+    if not robots:
         raise MissionError(f"{path}: there is no [robot] table; add one with use = 'sim.simulated:SimulatedRobot'")
     mission = Mission(
         name=path.stem,
         path=path,
         params=params,
-        robot=robot,
+        robot=robots[0],
+        team=robots if len(robots) > 1 else (),
         knowledge_sources=reader.components("knowledge_source", KnowledgeSource),
         behaviours=reader.components("behaviour", Behaviour),
         coordinator=reader.component("coordinator", Coordinator),
@@ -164,7 +187,7 @@ def load_mission(path: Path, settings: Mapping[str, Mapping[str, Any]] | None = 
         hosts=read_hosts(file, settings or {}),
     )
     reader.check_all_used()
-    _check_names(mission)
+    check_names(mission, TABLES)
     placement(mission)
     return mission
 
@@ -202,6 +225,24 @@ class _Reader:
             raise MissionError(f"{self._file.place(table).at('use')}: the safety layer cannot be replaced; drop 'use'")
         self._names.append(table)
         return self._spec(raw, base, self._file.place(table), default_name or table)
+
+    def robots(self) -> tuple[Spec, ...]:
+        """Read [robot], or each [[robot]]: settings of `robot` go for all of them, those of a name for that one."""
+        found = self._file.data.get("robot")
+        if not isinstance(found, list):
+            robot = self.component("robot", Robot, default_name=UNNAMED)
+            return (robot,) if robot is not None else ()
+        self._names.append("robot")
+        specs = []
+        for index, raw in enumerate(found):
+            place = self._file.place("robot", index)
+            name = raw.get("name") if isinstance(raw, dict) else None
+            if not isinstance(name, str) or not is_chunk(name) or "." in name:
+                raise MissionError(f"{place.at('name')}: each robot needs a name of letters, digits, '_' and '-'")
+            self._names.append(name)
+            settings = {**self._settings.get("robot", {}), **self._settings.get(name, {})}
+            specs.append(self._spec({**raw, **settings}, Robot, place, name))
+        return tuple(specs)
 
     def components(self, table: str, base: type[Component[Any]]) -> tuple[Spec, ...]:
         found = self._file.data.get(table, [])
@@ -243,32 +284,3 @@ def _wiring(raw: dict[str, Any], place: Place) -> Wiring:
     """Take a behaviour's wiring out of its table."""
     names = [f.name for f in fields(Wiring)]
     return parse_parameters(Wiring, {name: raw.pop(name) for name in names if name in raw}, place)
-
-
-def _check_names(mission: Mission) -> None:
-    seen: dict[str, Spec] = {}
-    for spec in (*mission.knowledge_sources, *mission.behaviours):
-        if spec.name in seen or spec.name in TABLES:
-            raise MissionError(f"{spec.place.at('use')}: the name '{spec.name}' is taken; give this one a name = '...'")
-        seen[spec.name] = spec
-    order = [spec.name for spec in mission.behaviours]
-    for place, spec in enumerate(mission.behaviours):
-        for other in spec.wiring.inhibits:
-            if other not in order:
-                raise MissionError(
-                    f"{spec.place.at('inhibits')}: there is no behaviour '{other}'{did_you_mean(other, order)}"
-                )
-            if order.index(other) <= place:
-                raise MissionError(
-                    f"{spec.place.at('inhibits')}: '{spec.name}' must stand before '{other}', which it inhibits; move it up"
-                )
-    for spec in mission.behaviours:
-        level = spec.wiring.level
-        if level and (level in seen or not is_chunk(level)):
-            raise MissionError(
-                f"{spec.place.at('level')}: level = '{level}' must be letters, digits, '_', '-', and no component's name"
-            )
-    if mission.behaviours and mission.coordinator is None:
-        raise MissionError(
-            f"{mission.path}: behaviours need a [coordinator]; add use = 'behaviours.superposition:Superposition'"
-        )

@@ -6,7 +6,8 @@ import sys
 
 from blackboard.command.mission_options import add_mission_options, load
 from blackboard.control import as_triggers
-from blackboard.runner import Run, RunOptions
+from blackboard.runner import RunOptions
+from blackboard.team import Team
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,12 +19,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def call(options: argparse.Namespace) -> int:
     """Run the verb."""
     mission = load(options)
-    run = Run(mission, RunOptions(seed=options.seed))
+    runs = list(Team(mission, RunOptions(seed=options.seed)).runs.values())
+    run = runs[0]  # all robots have the same components
     facts = {
         "mission": mission.name,
         "file": str(mission.path),
         "description": mission.params.description,
-        "robot": run.robot.description.name,
+        "robot": ", ".join(each.robot.description.name for each in runs),
         "knowledge_sources": {
             source.name: {
                 "rating": source.rating,

@@ -3,6 +3,7 @@
 import argparse
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from rich.console import Console
@@ -44,7 +45,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
 
 def execute(mission: Mission, options: argparse.Namespace, title: str | None = None) -> int:
     """Run a mission, write its results, show its table; return the exit status. Ctrl-C writes what was gathered."""
-    folder = Path(options.out) if options.out is not None else _new_folder(mission.name)
+    folder = Path(options.out) if options.out is not None else new_folder(mission.name)
     run = Run(mission, RunOptions(seed=options.seed, strict=options.strict))
     prepare_output_folder(folder, options.force)
     from blackboard.command.gather import FrameCollector, gather  # loads matplotlib: not before all else is sound
@@ -69,17 +70,7 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
     write_results(result, folder, collector.frames if collector is not None else (), milestones.milestones())
     if failure is not None:
         raise failure
-    for entry in run.board.entries(COMPONENT):
-        if entry.value.state == "failed":
-            on = f" on {entry.value.trigger_key}" if entry.value.trigger_key else ""
-            sys.stderr.write(f"ski: {entry.id} failed{on} and was left out from then on: {entry.value.error}\n")
-    corrected = run.board.newest(CORRECTED_PATH)
-    if corrected is not None and not corrected.value.closed:
-        path = corrected.value
-        sys.stderr.write(
-            f"ski: the map did not close, do not trust its shape: {path.closures} of {path.candidates} places met again fit, and "
-            f"{100.0 * path.contradicted_fraction:.0f} % of what was seen again contradicts another pass\n"
-        )
+    complain(run)
     if options.json:
         sys.stdout.write(table_json({**result.table, "out": str(folder)}) + "\n")
     else:
@@ -90,6 +81,21 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
         sys.stderr.write(f"ski: interrupted; what was gathered until then is in {folder}\n")
         return EXIT_INTERRUPTED
     return 0
+
+
+def complain(run: Run, of: str = "") -> None:
+    """Say on standard error what failed in a run; `of` goes before it."""
+    for entry in run.board.entries(COMPONENT):
+        if entry.value.state == "failed":
+            on = f" on {entry.value.trigger_key}" if entry.value.trigger_key else ""
+            sys.stderr.write(f"ski: {of}{entry.id} failed{on} and was left out from then on: {entry.value.error}\n")
+    corrected = run.board.newest(CORRECTED_PATH)
+    if corrected is not None and not corrected.value.closed:
+        path = corrected.value
+        sys.stderr.write(
+            f"ski: {of}the map did not close, do not trust its shape: {path.closures} of {path.candidates} places met again fit, "
+            f"and {100.0 * path.contradicted_fraction:.0f} % of what was seen again contradicts another pass\n"
+        )
 
 
 def ending(run: Run) -> str:
@@ -104,6 +110,17 @@ def ending(run: Run) -> str:
 def _run_showing_progress(run: Run, duration_s: float | None, note: Progress | None) -> None:
     console = Console(stderr=True)
     tell_what_is_said(run.board, console)
+
+    def start(progress: Progress) -> None:
+        run.run(duration_s, progress)
+
+    show_progress(run.mission.name, console, start, note)
+
+
+def show_progress(
+    title: str, console: Console, start: Callable[[Progress], None], note: Progress | None = None
+) -> None:
+    """Call `start` with what it is to tell of its progress to: a bar on a terminal, and `note`."""
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -111,17 +128,18 @@ def _run_showing_progress(run: Run, duration_s: float | None, note: Progress | N
         TimeElapsedColumn(),
     )
     with ProgressBar(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
-        task = shown.add_task(run.mission.name)
+        task = shown.add_task(title)
 
         def progress(elapsed_s: float, total_s: float) -> None:
             shown.update(task, completed=elapsed_s, total=total_s)
             if note is not None:
                 note(elapsed_s, total_s)
 
-        run.run(duration_s, progress)
+        start(progress)
 
 
-def _new_folder(name: str) -> Path:
+def new_folder(name: str) -> Path:
+    """Return a folder in runs/ that is not there yet."""
     number = 1
     while (folder := Path("runs") / f"{name}-{number}").exists():
         number += 1

@@ -3,6 +3,7 @@
 import argparse
 
 from blackboard.command.execute import add_run_options, execute
+from blackboard.command.execute_team import execute_team
 from blackboard.command.mission_options import add_mission_options, load
 
 
@@ -14,4 +15,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(options: argparse.Namespace) -> int:
     """Run the verb."""
-    return execute(load(options), options)
+    mission = load(options)
+    return execute_team(mission, options) if mission.team else execute(mission, options)

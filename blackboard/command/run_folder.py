@@ -25,8 +25,15 @@ def add_run_folder(parser: argparse.ArgumentParser) -> None:
 def run_folder(options: argparse.Namespace) -> Path:
     """Return the folder to read; raise OutputError where none is named and runs/ holds none. Says which one it took."""
     if options.folder is not None:
-        return Path(options.folder)
-    records = sorted(RUNS.glob(f"*/{FILE_NAME}"), key=lambda path: (path.stat().st_mtime_ns, str(path)))
+        folder = Path(options.folder)
+        robots = sorted(path.parent.name for path in folder.glob(f"*/{FILE_NAME}"))
+        if robots and not (folder / FILE_NAME).exists():
+            raise OutputError(
+                f"{folder} is a run of several robots ({', '.join(robots)}); name one: --in {folder / robots[0]}"
+            )
+        return folder
+    found = [*RUNS.glob(f"*/{FILE_NAME}"), *RUNS.glob(f"*/*/{FILE_NAME}")]
+    records = sorted(found, key=lambda path: (path.stat().st_mtime_ns, str(path)))
     if not records:
         raise OutputError(f"there is no run in {RUNS}/; name the output folder of one with --in DIR")
     sys.stderr.write(f"ski: in {records[-1].parent}\n")

@@ -10,15 +10,15 @@ from blackboard.kinds import COMMUNICATION_ERROR, FIRING, RULE_ERROR, RULES
 from blackboard.messages.control import CommunicationError, Firing, RuleError, RuleFiles
 
 
-def tell_what_is_said(board: Board, console: Console | None = None) -> None:
-    """Write what rules say from now on as it comes, above the progress bar of `console` where there is one."""
+def tell_what_is_said(board: Board, console: Console | None = None, of: str = "") -> None:
+    """Write what rules say from now on as it comes, `of` before it, above the progress bar of `console` where there is one."""
 
     def tell(stamp_s: float, text: str) -> None:
         for line in text.splitlines():
             if console is not None and console.is_terminal:
-                console.print(f"{stamp_s:8.1f} s  {line}", markup=False, highlight=False)
+                console.print(f"{stamp_s:8.1f} s  {of}{line}", markup=False, highlight=False)
             else:
-                sys.stderr.write(f"{stamp_s:8.1f} s  {line}\n")
+                sys.stderr.write(f"{stamp_s:8.1f} s  {of}{line}\n")
 
     def said(entry: Entry[Firing]) -> None:
         if entry.value.said:

@@ -274,6 +274,13 @@ def test_nothing_is_put_down_on_the_second_robot(folder: Path, tmp_path: Path) -
     assert newest(east, 6.2)[SONAR_SCAN].ranges_m[0] == pytest.approx(2.5 - 0.3)
 
 
+def test_nothing_larger_than_the_robot_is_put_down_over_it(folder: Path, tmp_path: Path) -> None:
+    world = tmp_path / "large.toml"
+    world.write_text(HALL + "[[box]]\ncentre = [0.0, 0.0]\nsize = [3.0, 3.0]\nfrom_s = 1.0\n")
+    alone = SimulatedRobot(params(folder, (0.0, 0.0, 0.0), world=world), name="robot")
+    assert newest(alone, 2.0)[SONAR_SCAN].ranges_m[0] == pytest.approx(10.0 - 0.3)
+
+
 def test_three_robots_share_a_world(folder: Path) -> None:
     east, west = pair(folder, (0.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     north = SimulatedRobot(params(folder, (0.0, 4.0, 0.0)), name="north")
