@@ -37,7 +37,7 @@ class HostParams:
     def __post_init__(self) -> None:
         require(0 <= self.restarts <= 1000, "restarts", self.restarts, "[0, 1000]")
         require(0 < self.within_s <= 86_400, "within_s", self.within_s, "(0, 86400] seconds")
-        require(0.5 <= self.hang_s <= 3600, "hang_s", self.hang_s, "[0.5, 3600] seconds")
+        require(1.0 <= self.hang_s <= 3600, "hang_s", self.hang_s, "[1, 3600] seconds")
         require(0 <= self.stop_s <= 600, "stop_s", self.stop_s, "[0, 600] seconds")
         require(
             self.on == "" or is_chunk(self.on), "on", self.on, "the names of machines: letters, digits, '_', '-', '.'"

@@ -21,6 +21,7 @@ VERBS = {
     "find": "find objects of a run by kind, place, name or description, and what a place is part of",
     "rules": "check rule files, and see what rules can look at",
     "host": "run one process of a mission, on the board that a keeper keeps",
+    "agent": "run parts of missions on this machine for a manager (ski up) here or elsewhere",
     "new": "write a new component to start from",
 }
 EXIT_ERROR = 2

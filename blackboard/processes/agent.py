@@ -76,8 +76,12 @@ class Agent:
         """Ask the loop to stop everything and return; may be called from a signal handler or another thread."""
         self._events.put(None)
 
-    def run(self, first: Order | None = None) -> None:
-        """Run until the end; `first` is an order that need not wait for the link."""
+    def order(self, order: Order) -> None:
+        """Give it an order that need not come over the link; from another thread."""
+        self._events.put(order)
+
+    def run(self) -> None:
+        """Run until the end. Raises LinkError where another one runs for the same address."""
         left = [r for r in self._params.state.records() if r.name != MANAGER and r.who.pid != os.getpid()]
         if any(record.name == AGENT for record in left):
             raise LinkError(f"an agent runs here already for {self._params.link.address}; end it with `ski down`")
@@ -87,8 +91,6 @@ class Agent:
         self._write_down()
         threading.Thread(target=self._connect, name="connect", daemon=True).start()
         try:
-            if first is not None:
-                self._obey(first)
             self._loop()
         finally:
             self._executor.kill_all()
@@ -116,6 +118,7 @@ class Agent:
                 self._executor.stop([KEEPER], now_s)
             if self._changed or now_s - self._reported_s >= REPORT_S:
                 self._report(now_s)
+        self._report(time.monotonic())
 
     def _take(self, event: object) -> None:
         match event:
@@ -125,6 +128,9 @@ class Agent:
             case Ended():
                 self._executor.take_end(event, time.monotonic())
                 self._changed = True
+            case Order():
+                with contextlib.suppress(LinkError):  # only of one that is ending
+                    self._obey(event)
             case Session():
                 self._join(event)
             case Question():
@@ -177,6 +183,8 @@ class Agent:
             question.finish()
 
     def _obey(self, order: Order) -> None:
+        if self._ending:
+            raise LinkError(f"{self._params.machine} is ending")
         held_by = self._leash.manager
         if held_by not in ("", order.manager) and self._leash.silent_s < 2.0:
             raise LinkError(f"{self._params.machine} is held by another manager; end its mission with `ski down`")

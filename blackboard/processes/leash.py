@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from blackboard.parameters import require
 
-OPEN_S = 1.0  # the keeper's heartbeats come 5 times a second
+OPEN_S = 0.6  # the keeper's heartbeats come 5 times a second; less than the shortest hang_s, or who falls silent with it would hang
 LONGEST_TICK_S = 0.5  # a longer one is this process's own silence
 
 

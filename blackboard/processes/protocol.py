@@ -35,7 +35,7 @@ class HostOrder(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     restart: Literal["always", "on-failure", "never"] = "on-failure"
     restarts: Annotated[int, Meta(ge=0, le=1000)] = 5
     within_s: Annotated[float, Meta(gt=0, le=86_400)] = 60.0
-    hang_s: Annotated[float, Meta(ge=0.5, le=3600)] = 5.0
+    hang_s: Annotated[float, Meta(ge=1.0, le=3600)] = 5.0
     stop_s: Annotated[float, Meta(ge=0, le=600)] = 5.0
 
 

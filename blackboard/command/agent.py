@@ -1,0 +1,62 @@
+"""`ski agent`: the executor daemon of this machine: runs the parts of missions that a manager (`ski up`) orders."""
+
+import argparse
+import signal
+import sys
+import threading
+from importlib.metadata import version
+
+from blackboard.command.connection import add_connection_options, link_params
+from blackboard.errors import LinkError, MissionError
+from blackboard.key_expressions import is_chunk
+from blackboard.processes.agent import Agent, AgentParams
+from blackboard.processes.leash import LeashParams
+from blackboard.processes.protocol import Order, decode, this_machine
+from blackboard.processes.state_folder import StateFolder
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the verb's arguments."""
+    add_connection_options(parser)
+    parser.add_argument("--name", default=this_machine(), metavar="MACHINE", help="this machine (default: %(default)s)")
+    parser.add_argument(
+        "--lease",
+        type=float,
+        default=LeashParams().lease_s,
+        metavar="S",
+        help="seconds of a manager's silence after which everything is stopped (default: %(default)g)",
+    )
+    parser.add_argument(
+        "--passing", action="store_true", help=argparse.SUPPRESS
+    )  # `ski up` started it, and orders on stdin
+
+
+def call(options: argparse.Namespace) -> int:
+    """Run the verb until it is asked to end."""
+    if not is_chunk(options.name):
+        raise MissionError(f"--name {options.name}: letters, digits, '_', '-' and '.' only")
+    link = link_params(options)
+    params = AgentParams(
+        machine=options.name,
+        link=link,
+        state=StateFolder(link.address),
+        leash=LeashParams(lease_s=options.lease),
+        passing=options.passing,
+    )
+    agent = Agent(params, version("sensory-knowledge-integrator"))
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: agent.end())
+    if options.passing:
+        threading.Thread(target=_read_orders, args=(agent,), name="orders", daemon=True).start()
+    else:
+        sys.stderr.write(f"ski: {options.name} waits for a manager at {link.address}; Ctrl-C ends it\n")
+    agent.run()
+    return 0
+
+
+def _read_orders(agent: Agent) -> None:
+    for line in sys.stdin.buffer:
+        try:
+            agent.order(decode(line, Order))
+        except LinkError as error:
+            sys.stderr.write(f"ski: {error}\n")
