@@ -88,8 +88,7 @@ def test_an_executor_that_goes_takes_its_processes_and_one_that_comes_back_gets_
     first = start_agent("desk")
     loop.until(lambda: loop.states() == {"robot": "starting"})
     first.end()
-    loop.until(lambda: loop.states()["robot"] in ("lost", "stopped"))
-    assert loop.manager.missing == ["desk", "shed"]
+    loop.until(lambda: loop.states()["robot"] in ("lost", "stopped") and loop.manager.missing == ["desk", "shed"])
     start_agent("desk")
     loop.until(lambda: loop.states() == {"robot": "starting"})
 
