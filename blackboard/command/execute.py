@@ -11,12 +11,14 @@ from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as ProgressBar
 
 from blackboard.command.main import EXIT_INTERRUPTED
+from blackboard.command.seen_run import SeenRun
 from blackboard.command.spoken import tell_what_is_said
 from blackboard.errors import ComponentFailed, MissionError
 from blackboard.journal import FILE_NAME, JournalWriter
 from blackboard.kinds import COMPONENT, CORRECTED_PATH, MISSION
 from blackboard.mission import Mission
 from blackboard.report.output_folder import prepare_output_folder
+from blackboard.report.result import RunResult
 from blackboard.report.table import show_table, table_json
 from blackboard.runner import Progress, Run, RunOptions
 
@@ -70,8 +72,13 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
     write_results(result, folder, collector.frames if collector is not None else (), milestones.milestones())
     if failure is not None:
         raise failure
+    return tell_results(run, result, folder, json=options.json, interrupted=interrupted)
+
+
+def tell_results(run: SeenRun, result: RunResult, folder: Path, *, json: bool, interrupted: bool) -> int:
+    """Show the table, and what failed; return the exit status."""
     complain(run)
-    if options.json:
+    if json:
         sys.stdout.write(table_json({**result.table, "out": str(folder)}) + "\n")
     else:
         show_table(result.table, result.mission)
@@ -83,7 +90,7 @@ def execute(mission: Mission, options: argparse.Namespace, title: str | None = N
     return 0
 
 
-def complain(run: Run, of: str = "") -> None:
+def complain(run: SeenRun, of: str = "") -> None:
     """Say on standard error what failed in a run; `of` goes before it."""
     for entry in run.board.entries(COMPONENT):
         if entry.value.state == "failed":
@@ -98,7 +105,7 @@ def complain(run: Run, of: str = "") -> None:
         )
 
 
-def ending(run: Run) -> str:
+def ending(run: SeenRun) -> str:
     """Return the line that says that a mission ended by its own word; empty where it did not."""
     status = run.board.newest(MISSION)
     if status is None or status.value.state == "underway":

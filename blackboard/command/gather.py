@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from blackboard.board import Board
+from blackboard.command.seen_run import SeenRun
 from blackboard.entry import Entry
 from blackboard.grid import Grid
 from blackboard.kinds import (
@@ -35,13 +36,12 @@ from blackboard.report.pose_scores import pose_table
 from blackboard.report.result import RunResult, driven_m
 from blackboard.report.scores import score_table
 from blackboard.report.view import known_part
-from blackboard.runner import Run
 
 FRAMES = 60
 OUTCOMES = ("confirmed", "denied", "given up", "open")  # of resolution tasks
 
 
-def gather(run: Run, title: str) -> RunResult:
+def gather(run: SeenRun, title: str) -> RunResult:
     """Return what a run knows at its end, with the table of its figures."""
     corrected = run.board.newest(CORRECTED_PATH)
     trajectory = run.trajectory() if corrected is None else corrected.value.poses.unpack()
@@ -139,7 +139,7 @@ def as_observed(entry: Entry[ModelLine]) -> Entry[Line]:
 class FrameCollector:
     """Takes snapshots of a run, evenly over its time, however long it turns out to be: between FRAMES and twice as many."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: SeenRun) -> None:
         self.frames: list[Frame] = []
         self._run = run
         self._next_s = self._between_s = 0.0

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from blackboard.command.seen_run import SeenRun
 from blackboard.entry import Entry
 from blackboard.grid import Grid
 from blackboard.kinds import (
@@ -33,7 +34,6 @@ from blackboard.mission import Mission
 from blackboard.report.milestones import GridStage, Lead, LineStage, Milestones, Points, Visit
 from blackboard.report.result import Trajectory, segments
 from blackboard.report.view import known_part
-from blackboard.runner import Run
 
 EARLY_SCANS = (1, 5)  # full scans after which the grid is shown (Bou-Ghannam 1992, Figure 6.2)
 SET_POINTS = 500  # points of a set of lines (Figures 6.4 to 6.7); smaller batches are joined until they have as many
@@ -55,7 +55,7 @@ class _Set:
 class MilestoneCollector:
     """Watches the board of a run and keeps what its figures need."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: SeenRun) -> None:
         self._run = run
         self._board = run.board
         self._tiles: dict[str, GridTile] = {}
