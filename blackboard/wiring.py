@@ -24,6 +24,7 @@ RUNNER_POSTS = (
     kinds.ACTIVATION,
     kinds.ACTIVATION_TIME,
 )
+FOR_SCORES = (kinds.TRUE_POSE, kinds.ROBOT_SUMMARY)
 
 
 def check_wiring(
@@ -58,6 +59,10 @@ def check_wiring(
                 raise MissionError(
                     f"{reader.name} reads the unknown kind '{kind.path}'{did_you_mean(kind.path, known)}"
                 )
+    for reader in readers:
+        for kind in FOR_SCORES:
+            if kind in reader.reads:
+                raise MissionError(f"{reader.name} reads '{kind.path}', which no robot knows: it is for scores only")
     _check_rest(sources)
     declared: list[Kind[Any]] = [*robot.provides, *(kind for reader in readers for kind in reader.reads)]
     for source in sources:

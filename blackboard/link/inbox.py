@@ -12,6 +12,7 @@ from blackboard.link.lanes import LANES, QUALITY, Lane
 
 Stream = tuple[str, str, Lane]  # host, boot, lane
 MAX_EARLY = 5000  # envelopes of a stream that wait for a gap before them; what comes then is asked for again
+MAX_ASKED = 5000  # of one question: some megabytes
 
 
 @dataclass
@@ -71,6 +72,7 @@ class Inbox:
                 continue
             last = min(position.early) - 1 if position.early else position.told
             last = min(last, position.told) if position.early else last
+            last = min(last, position.number + MAX_ASKED)
             if last > position.number:
                 position.asked = True
                 questions.append(LostQuestion(host=host, boot=boot, lane=lane, first=position.number + 1, last=last))

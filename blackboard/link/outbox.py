@@ -6,6 +6,8 @@ acknowledged. What an earlier boot of the host left is found at the start, and h
 
 import os
 from collections import deque
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 from blackboard.errors import LinkError, MessageError
@@ -75,6 +77,13 @@ class Outbox:
     def waiting(self, lane: Lane) -> deque[Envelope]:
         """Return what is not acknowledged of a lane, oldest first."""
         return self._waiting[lane]
+
+    def after(self, lane: Lane, number: int) -> Iterator[Envelope]:
+        """Yield what is not acknowledged of a lane and comes after a number, oldest first."""
+        waiting = self._waiting[lane]
+        if waiting:
+            skipped = max(0, number + 1 - waiting[0].origin.number)  # numbers follow each other
+            yield from islice(waiting, skipped, None)
 
     def __len__(self) -> int:
         return sum(len(waiting) for waiting in self._waiting.values())

@@ -21,7 +21,7 @@ from blackboard.history import HistoryParams
 from blackboard.journal import line_of
 from blackboard.kinds import PANELS, Kind
 from blackboard.link import addresses
-from blackboard.link.clock import ClockAnswer, ClockQuestion, MissionClock
+from blackboard.link.clock import MEASURE_EVERY_S, ClockAnswer, ClockQuestion, MissionClock
 from blackboard.link.envelope import (
     Envelope,
     KeeperBeat,
@@ -46,6 +46,7 @@ from blackboard.vocabulary import Vocabulary
 WINDOW = 2000  # envelopes of a lane sent at once without an acknowledgement; more goes to the keeper in batches
 LATE_AFTER_S = 0.5  # two and a half of the keeper's beats: what is not acknowledged by then was dropped on the way
 LATE_BYTES = 1_000_000  # of one batch
+LATE_ANSWER_S = 5.0
 JOIN_S = 10.0  # a keeper that restarts is back long before
 
 Item = Callable[[], None]  # what came, ready to be handled on the loop
@@ -81,8 +82,9 @@ class Replica:
         self._numbers: dict[Lane, int] = dict.fromkeys(LANES, 0)
         self._acknowledged: dict[Lane, int] = dict.fromkeys(LANES, 0)
         self._sent_s: dict[Lane, float] = dict.fromkeys(LANES, 0.0)  # when the oldest unacknowledged may have been lost
-        self._late_underway = False
-        self._overflow = False
+        self._unsent: dict[Lane, int] = dict.fromkeys(LANES, 0)  # the last number that was not sent at once
+        self._handed: dict[Lane, int] = dict.fromkeys(LANES, 0)  # handed in up to here, acknowledged or not
+        self._late_underway = 0  # batches whose answer has not come
         self._lanes: dict[str, Lane] = {}
         self._measured_s = float("-inf")
         self._watched: list[Callable[[str, bool], None]] = []
@@ -121,9 +123,9 @@ class Replica:
         now_s = time.monotonic()
         for question in self._inbox.gaps():
             self._ask_lost(question)
-        if not self._late_underway and (self._overflow or self._overdue(now_s)):
+        if not self._late_underway:
             self._hand_in()
-        if now_s - self._measured_s >= 2.0:
+        if not self.clock.running or now_s - self._measured_s >= MEASURE_EVERY_S:
             self._measured_s = now_s
             self._measure()
 
@@ -169,40 +171,42 @@ class Replica:
         if number - self._acknowledged[lane] <= WINDOW or lane in ("command", "signal"):
             self._session.put(entry.key, payload, attachment_of(origin), lane)
         else:
-            self._overflow = True
+            self._unsent[lane] = number
+            if not self._late_underway:
+                self._hand_in()
 
-    def _overdue(self, now_s: float) -> bool:
-        return any(self._outbox.waiting(lane) and now_s - self._sent_s[lane] > LATE_AFTER_S for lane in LANES)
+    def _overdue(self, lane: Lane, now_s: float) -> bool:
+        """Say whether what is not acknowledged of a lane must have been lost on the way."""
+        return bool(self._outbox.waiting(lane)) and now_s - self._sent_s[lane] > LATE_AFTER_S
 
     def _hand_in(self) -> None:
-        """Hand the oldest unacknowledged envelopes to the keeper, as much as one batch takes, all of one panel."""
+        """Hand what was not sent, or was lost on the way, to the keeper: a batch for each panel of the first lane that has some."""
         now_s = time.monotonic()
-        self._overflow = any(self._numbers[x] - self._acknowledged[x] > WINDOW for x in LANES)
         for lane in LANES:
-            waiting = self._outbox.waiting(lane)
-            over = self._numbers[lane] - self._acknowledged[lane] > WINDOW
-            if not waiting or not (over or now_s - self._sent_s[lane] > LATE_AFTER_S):
+            if self._overdue(lane, now_s):
+                self._sent_s[lane] = now_s
+                self._handed[lane] = self._acknowledged[lane]
+            elif self._handed[lane] >= self._unsent[lane]:
                 continue
-            panel, batch = "", list[Envelope]()
+            batches: dict[str, list[Envelope]] = {}
             size = 0
-            for envelope in waiting:
-                here = panel_of(envelope.payload)
-                panel = panel or here
-                if here != panel:
-                    continue
-                batch.append(envelope)
+            for envelope in self._outbox.after(lane, self._handed[lane]):
+                batches.setdefault(panel_of(envelope.payload), []).append(envelope)
+                self._handed[lane] = envelope.origin.number
                 size += len(envelope.payload)
                 if size >= LATE_BYTES:
                     break
-            self._late_underway = True
-            self._sent_s[lane] = now_s
-            self._session.ask_later(
-                addresses.late(self._robot, panel), join_batch(batch), self._later(self._handed_in), LATE_AFTER_S * 10
-            )
-            return
+            for panel, batch in batches.items():
+                self._late_underway += 1
+                key = addresses.late(self._robot, panel)
+                self._session.ask_later(key, join_batch(batch), self._later(self._handed_in), LATE_ANSWER_S)
+            if batches:
+                return
 
     def _handed_in(self, answers: Sequence[Answer]) -> None:
-        self._late_underway = False
+        self._late_underway -= 1
+        if not self._late_underway and any(self._handed[lane] < self._unsent[lane] for lane in LANES):
+            self._hand_in()
 
     def _hand_in_left(self, end_s: float) -> None:
         left = self._outbox.left

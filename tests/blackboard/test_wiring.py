@@ -18,6 +18,7 @@ from blackboard.kinds import (
     ODOMETRY,
     SONAR_SCAN,
     SUPPORTED_POINTS,
+    TRUE_POSE,
     Kind,
     slot,
 )
@@ -89,6 +90,12 @@ def test_a_trigger_that_nobody_posts() -> None:
 def test_a_reading_that_this_robot_lacks_is_allowed_beside_one_that_it_has() -> None:
     grid = Source("grid", [SONAR_SCAN, LASER_SCAN])
     check_wiring(SonarRobot(NoParams(), name="robot"), [grid], [], None)
+
+
+def test_what_no_robot_knows_is_for_scores_only() -> None:
+    assert refusal(Source("cheat", [SONAR_SCAN], reads=[TRUE_POSE])) == (
+        "cheat reads 'status/true_pose', which no robot knows: it is for scores only"
+    )
 
 
 def test_reading_an_unknown_kind() -> None:
