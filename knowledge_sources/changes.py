@@ -125,6 +125,17 @@ class Changes(KnowledgeSource[ChangesParams]):
         self._named = 0
         self._verdicts = Verdicts(params.theory, needs=("stay",))
 
+    def resume(self, state: object, board: Access) -> None:
+        """Go on with the changes that stand and are remembered; what nobody remembers is taken back, to be found again."""
+        super().resume(state, board)
+        self._named = max(self._named, board.last_number(CHANGE))
+        self._watched = [w for w in self._watched if board.newest(CHANGE, w.id) is not None]
+        watched = {w.id for w in self._watched}
+        for entry in board.own(CHANGE):
+            if entry.id not in watched and not entry.value.accepted:
+                board.retract(CHANGE, entry.id)
+        self._verdicts.resume(board, CHANGE)
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         if isinstance(trigger.value, LaserScan | SonarScan):
             self._hear(trigger, board)

@@ -136,6 +136,11 @@ class ColouredObjects(KnowledgeSource[ColouredObjectsParams]):
         self._named = 0
         self._standing = StandingHypotheses(FOUND_OBJECT, _differs)
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        self._named = max(self._named, board.last_number(FOUND_OBJECT, f"{self.params.object}-"))
+        self._standing.resume(board)
+
     def activate(self, trigger: Entry[BlobScan], board: Access) -> None:
         robot, found = board.newest(ROBOT), map_from_robot_at(board, trigger.stamp_s)
         if robot is None or found is None:

@@ -113,6 +113,10 @@ class Corners(KnowledgeSource[CornersParams]):
         self._grid = GridMirror()
         self._standing = StandingHypotheses(CORNER, differs, Verdicts(params.theory))
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        self._standing.resume(board)
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
 

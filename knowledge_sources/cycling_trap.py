@@ -124,6 +124,10 @@ class CyclingTrap(KnowledgeSource[CyclingTrapParams]):
         self._decided: dict[str, tuple[int, float]] = {}  # by tile: revision, square metres decided
         self._episodes = Episodes(TRAP, "cycling")
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        self._episodes.resume(board)
+
     def activate(self, trigger: Entry[Pose], board: Access) -> None:
         robot, found = board.newest(ROBOT), map_from_robot_at(board, trigger.stamp_s)
         if robot is None or found is None:

@@ -33,6 +33,7 @@ class EouGrid(KnowledgeSource[EouGridParams]):
     reads = (ROBOT, *READS)
     posts = (GRID,)
     rating = 50.0
+    derived = ("_grid", "_stretches", "_tiles")  # the grid stands on the board
 
     def __init__(self, params: EouGridParams, *, name: str, seed: int = 0) -> None:
         super().__init__(params, name=name, seed=seed)
@@ -41,6 +42,15 @@ class EouGrid(KnowledgeSource[EouGridParams]):
         self._newest_s = -inf  # stamp of the newest scan that was folded in
         self._stretches = Stretches()  # of scans and poses, since the last posting
         self._tiles: dict[str, Stretches] = {}  # what went into each tile
+
+    def resume(self, state: object, board: Access) -> None:
+        """Go on with the tiles that stand; what was not posted yet, one interval's scans at most, is forgotten."""
+        super().resume(state, board)
+        for entry in board.entries(GRID):
+            self._grid.grid.update(entry.value)
+            self._tiles.setdefault(str(entry.id), Stretches()).merge(entry.supports)
+            self._newest_s = max(self._newest_s, entry.stamp_s)
+        self._grid.take_changed()
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         robot = board.newest(ROBOT)

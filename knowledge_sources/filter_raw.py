@@ -117,6 +117,13 @@ class FilterRaw(KnowledgeSource[FilterRawParams]):
         self._stretches = Stretches()  # of scans and poses, since the last batch
         self._counted_at: dict[tuple[str, int], Pose] = {}  # where each sensor's reading last counted
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        batch = board.newest(SUPPORTED_POINTS)
+        if batch is not None and batch.stamp_s > self._newest_s:  # the points that were kept are in it
+            self._points, self._dropped, self._newest_s = [], 0, batch.stamp_s
+            self._stretches.clear()
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         robot = board.newest(ROBOT)
         found = map_from_robot_at(board, trigger.stamp_s)

@@ -111,6 +111,11 @@ class FrontierTargets(KnowledgeSource[FrontierTargetsParams]):
         self._names = Names("frontier", params.same_m, anchored=True)
         self._standing = StandingHypotheses(TARGET, differs, Verdicts(params.theory))
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        places = {str(t.id): (t.value.place.x_m, t.value.place.y_m) for t in self._standing.resume(board)}
+        self._names.resume(places, board.last_number(TARGET, "frontier-"))
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
 

@@ -14,6 +14,9 @@ class GridMirror:
         self._grid: Grid | None = None
         self._tiles: dict[str, Entry[GridTile]] = {}
 
+    def __reduce__(self) -> tuple[type["GridMirror"], tuple[()]]:
+        return GridMirror, ()  # in a kept state: the next look takes all of it from the board
+
     @property
     def tiles(self) -> list[Entry[GridTile]]:
         """The tiles as of the last look."""

@@ -86,6 +86,22 @@ class JointLines(KnowledgeSource[JointLinesParams]):
         self._refused = 0
         self._stamp_s = -inf  # of the newest correction
 
+    def resume(self, state: object, board: Access) -> None:
+        """Go on; without a state, from the pose and the lines that stand, as if they had nothing in common."""
+        super().resume(state, board)
+        self._refused = max(self._refused, board.last_number(POSE_CONFLICT))
+        for newest in (board.newest(MAP_FROM_ODOM), board.newest(RE_REFERENCE)):
+            self._stamp_s = max(self._stamp_s, -inf if newest is None else newest.stamp_s)
+        odometry, correction = board.newest(ODOM_FROM_ROBOT), board.newest(MAP_FROM_ODOM)
+        if self._state is None and odometry is not None and correction is not None:
+            self._odometry, self._at_s = odometry.value, odometry.stamp_s
+            self._state = JointState(correction.value @ odometry.value, self.params)
+            estimate = board.newest(POSE_ESTIMATE)
+            if estimate is not None:
+                self._state.trust_pose(estimate.value.covariance)
+        if self._state is not None:
+            self._keeper.resume(self._state, board)
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         if isinstance(trigger.value, SonarScan | LaserScan):
             self._hear(trigger, board)

@@ -109,6 +109,11 @@ class LineEndTargets(KnowledgeSource[LineEndTargetsParams]):
         self._names = Names("line_end", params.same_m)
         self._standing = StandingHypotheses(TARGET, differs, Verdicts(params.theory))
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        places = {str(t.id): (t.value.place.x_m, t.value.place.y_m) for t in self._standing.resume(board)}
+        self._names.resume(places, board.last_number(TARGET, "line_end-"))
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
 

@@ -41,9 +41,24 @@ class LineFinder(KnowledgeSource[LineFinderParams]):
         self._batches: deque[list[str]] = deque()  # ids of the lines that stand
         self._leftovers = Leftovers()
         self._last: Entry[PointSet] | None = None
+        self._done = 0  # the batch that was searched last
+
+    def resume(self, state: object, board: Access) -> None:
+        """Go on with the lines that stand; those of a batch that was not searched to its end are taken back."""
+        super().resume(state, board)
+        done = board.newest(LINE_SET)
+        self._done = done.value.batch if done is not None else 0
+        batches: dict[int, list[str]] = {}
+        for entry in board.own(LINE):
+            batches.setdefault(int(str(entry.id).partition("-")[0]), []).append(str(entry.id))
+        for id_ in batches.pop(max(batches, default=0), []) if max(batches, default=0) > self._done else []:
+            board.retract(LINE, id_)
+        self._batches = deque(batches[number] for number in sorted(batches))
 
     def activate(self, trigger: Entry[PointSet], board: Access) -> None:
-        self._last = trigger
+        if trigger.revision <= self._done:
+            return  # a process before this one has searched it
+        self._last, self._done = trigger, trigger.revision
         self._batches.append([])
         echoes = as_echoes(trigger.value, self.params)
         pieces = find_pieces(echoes, self._largest_gap_m(board), self.params)

@@ -135,6 +135,10 @@ class LineRelations(KnowledgeSource[LineRelationsParams]):
         self._walls = Walls(params.wall_limits)
         self._standing = StandingHypotheses(LINE_RELATION, differs, Verdicts(params.theory))
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        self._standing.resume(board)
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
 

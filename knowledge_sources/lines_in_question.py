@@ -61,6 +61,10 @@ class LinesInQuestion:
         self._missed = Missed()
         self._viewed = 0  # the last revision of the expected lines that has counted
 
+    def resume(self, board: Access) -> None:
+        """After a restart: take away the verdicts on lines that are in question no more."""
+        self._verdicts.resume(board, NEW_AREA_VISITED)
+
     def open(
         self, board: Access, id_: str, line: ModelLine, seen: Observed, trigger: Entry[Any]
     ) -> Entry[NewAreaVisited]:

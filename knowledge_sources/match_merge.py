@@ -73,6 +73,11 @@ class MatchMerge(KnowledgeSource[MatchMergeParams]):
         else:
             self.triggers = (LINE_SET,)
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        self._made = max(self._made, board.last_number(MODEL_LINE), board.last_number(NEW_AREA_VISITED))
+        self._in_question.resume(board)
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         if isinstance(trigger.value, LineSet):
             self._match(trigger, board)

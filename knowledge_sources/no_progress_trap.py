@@ -86,6 +86,10 @@ class NoProgressTrap(KnowledgeSource[NoProgressTrapParams]):
         self._moments: deque[Moment] = deque()
         self._episodes = Episodes(TRAP, "no_progress")
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        self._episodes.resume(board)
+
     def activate(self, trigger: Entry[Pose], board: Access) -> None:
         robot, found = board.newest(ROBOT), map_from_robot_at(board, trigger.stamp_s)
         if robot is None or found is None:

@@ -68,6 +68,20 @@ class PoseConflicts(KnowledgeSource[PoseConflictsParams]):
         self._newest = -1  # batch of the newest conflict
         self._verdicts = Verdicts(params.theory)
 
+    def resume(self, state: object, board: Access) -> None:
+        """Go on with the conflicts that nobody has settled, also those that came after the state was kept."""
+        super().resume(state, board)
+        stand = {str(entry.id): entry for entry in board.entries(POSE_CONFLICT)}
+        for id_, entry in stand.items():
+            refused = entry.value.refused
+            if refused.batch > self._newest:
+                self._newest = refused.batch
+                self._open[id_] = _Open(refused)
+            if any(e.who == self.name and e.about == "later" for e in entry.endorsements):
+                self._open.pop(id_, None)
+        self._open = {id_: open_ for id_, open_ in self._open.items() if id_ in stand}
+        self._verdicts.resume(board, POSE_CONFLICT)
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         if isinstance(trigger.value, PoseConflict):
             self._begin(trigger, board)

@@ -85,6 +85,15 @@ class ReReferencer(KnowledgeSource[ReReferenceParams]):
         self._shared = np.zeros((3, 3))
         self._odometry: Entry[Pose] | None = None  # the newest pose that the covariance covers
 
+    def resume(self, state: object, board: Access) -> None:
+        """Go on; without a state, from the estimate that stands, as if the robot had not driven since."""
+        super().resume(state, board)
+        estimate, newest = board.newest(POSE_ESTIMATE), board.newest(ODOM_FROM_ROBOT)
+        if self._pose is None and estimate is not None and newest is not None:
+            self._pose, self._odometry = estimate.value.map_from_robot, newest
+            self._covariance[np.triu_indices(3)] = estimate.value.covariance
+            self._covariance = self._covariance + np.triu(self._covariance, 1).T
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         found = map_from_robot_at(board, trigger.stamp_s)
         if found is None:
@@ -102,6 +111,8 @@ class ReReferencer(KnowledgeSource[ReReferenceParams]):
             return
         first = newest.revision if self._odometry is None else self._odometry.revision
         driven = board.revisions(Support(newest.key, 1 if self._odometry is None else first, newest.revision))
+        if self._odometry is not None and (not driven or driven[0].revision > first):
+            driven = [self._odometry, *driven]  # what lies between is forgotten, after a restart
         way = way_of(entry.value for entry in driven)
         before = self._pose if self._pose is not None else driven[0].value
         known = carried_on(Unsureness(pose=self._covariance, shared=self._shared), before, pose, way, self.params.noise)

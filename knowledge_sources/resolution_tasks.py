@@ -81,6 +81,24 @@ class ResolutionTasks(KnowledgeSource[ResolutionTasksParams]):
         self._book = _Book()
         self._grid = GridMirror()
 
+    def resume(self, state: object, board: Access) -> None:
+        """Go on with the tasks and verdicts that stand."""
+        super().resume(state, board)
+        book, verdicts = self._book, {entry.value.hypothesis: entry for entry in board.entries(VERDICT)}
+        book.opened = max(book.opened, board.last_number(RESOLUTION_TASK))
+        tasks = board.own(RESOLUTION_TASK)
+        book.closed = [str(task.id) for task in tasks if task.value.outcome != "open"]
+        book.doubts = {key: doubt for key, doubt in book.doubts.items() if key in verdicts}
+        for task in tasks:
+            verdict = verdicts.get(task.value.hypothesis)
+            if task.value.outcome == "open" and verdict is None:  # its hypothesis went while nobody followed it
+                board.retract(RESOLUTION_TASK, task.id)
+            elif task.value.outcome == "open" and verdict is not None:
+                doubt = book.doubts.setdefault(task.value.hypothesis, _Doubt(verdict, task.value.opened_s))
+                doubt.task = str(task.id)
+        for verdict in verdicts.values():
+            self._hear(verdict, board)
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         if isinstance(trigger.value, Verdict):
             self._hear(trigger, board)

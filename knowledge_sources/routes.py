@@ -33,6 +33,7 @@ from knowledge_sources.ways_params import WaysParams
 BODY_FRACTION = 0.8  # of the radius: what stands so near to the way is on it; the rest is blur, which comes and goes
 WAY_STEP_M = 0.25  # between the points of a way, so that they say where it is narrow
 STEP_M = 0.1  # between the places along a way that are looked at
+NOBODY_ASKED = -1  # no motivation has this number
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,6 +87,13 @@ class Routes(KnowledgeSource[RoutesParams]):
         self._asked: int | None = None  # the number of the motivation that is answered
         self._way: Way | None = None
         self._sought_s = 0.0
+
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        motivation = board.newest(MOTIVATION, self.params.behaviour)
+        asks = motivation is not None and motivation.value.on
+        if self._asked is None and (asks or board.newest(ROUTE) is not None):
+            self._asked = NOBODY_ASKED  # so that the next tile brings the way up to date
 
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         motivation = board.newest(MOTIVATION, self.params.behaviour)

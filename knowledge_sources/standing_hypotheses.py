@@ -46,6 +46,14 @@ class StandingHypotheses(Generic[M]):
         self._verdicts = verdicts
         self._kept: dict[str, None] = {}  # ids
 
+    def resume(self, board: Access) -> list[Entry[M]]:
+        """After a restart: keep what stands by this source, whether it remembers it or not; return that."""
+        own = board.own(self._kind)
+        self._kept = dict.fromkeys(str(entry.id) for entry in own)
+        if self._verdicts is not None:
+            self._verdicts.resume(board, self._kind)
+        return own
+
     def keep(self, board: Access, found: Mapping[str, Found[M]], gone: Callable[[M], str]) -> None:
         """Make what stands on the board what was found; what is not found any more is endorsed against, then retracted."""
         for id_ in [i for i in self._kept if i not in found]:
@@ -71,10 +79,16 @@ class Episodes(Generic[M]):
     """A hypothesis of which one holds at a time or none: each time that it comes to hold again it is another, `<name>-<number>`."""
 
     def __init__(self, kind: Kind[M], name: str) -> None:
-        self._standing = StandingHypotheses(kind, lambda a, b: False)  # within an episode the first value stays
+        self._standing = StandingHypotheses(kind, _stays)
+        self._kind = kind
         self._name = name
         self._number = 0
         self._holds = False
+
+    def resume(self, board: Access) -> None:
+        """After a restart: go on with what stands, and number on above what stood."""
+        self._number = max(self._number, board.last_number(self._kind, f"{self._name}-"))
+        self._holds = any(entry.id == f"{self._name}-{self._number}" for entry in self._standing.resume(board))
 
     def keep(self, board: Access, found: Found[M] | None, gone: str) -> None:
         """Post the hypothesis where it has come to hold; where it holds no more, retract it for the reason `gone`."""
@@ -82,6 +96,11 @@ class Episodes(Generic[M]):
             self._number += 1
         self._holds = found is not None
         self._standing.keep(board, {} if found is None else {f"{self._name}-{self._number}": found}, lambda _: gone)
+
+
+def _stays(first: Message, now: Message) -> bool:
+    """Within an episode the first value stays."""
+    return False
 
 
 def give(board: Access, entry: Entry[M], reasons: Sequence[Reason]) -> Entry[M]:
@@ -110,6 +129,11 @@ class Names:
         self._anchored = anchored
         self._places: dict[str, tuple[float, float]] = {}
         self._next = 1
+
+    def resume(self, standing: Mapping[str, tuple[float, float]], last: int) -> None:
+        """After a restart: the names that stand are those given, and numbers go on above the last one that was."""
+        self._places = {name: self._places.get(name, place) for name, place in standing.items()}
+        self._next = max(self._next, last + 1)
 
     def name(self, places: Sequence[tuple[float, float]]) -> list[str]:
         """Return a name for each place; names of places not among them are given up."""

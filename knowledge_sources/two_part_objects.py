@@ -107,6 +107,17 @@ class TwoPartObjects(KnowledgeSource[TwoPartObjectsParams]):
         self._named = 0
         self._verdicts = Verdicts(params.theory, needs=("body", "part"))
 
+    def resume(self, state: object, board: Access) -> None:
+        """Go on with the objects that stand and are remembered; what nobody remembers is taken back, to be found again."""
+        super().resume(state, board)
+        self._named = max(self._named, board.last_number(TWO_PART_OBJECT, f"{self.params.model}-"))
+        self._tracks = [t for t in self._tracks if not t.id or board.newest(TWO_PART_OBJECT, t.id) is not None]
+        known = {track.id for track in self._tracks}
+        for entry in board.own(TWO_PART_OBJECT):
+            if entry.id not in known:
+                board.retract(TWO_PART_OBJECT, entry.id)
+        self._verdicts.resume(board, TWO_PART_OBJECT)
+
     def activate(self, trigger: Entry[LaserScan], board: Access) -> None:
         robot, found = board.newest(ROBOT), map_from_robot_at(board, trigger.stamp_s)
         if robot is None or found is None:

@@ -189,6 +189,10 @@ class UTraps(KnowledgeSource[UTrapsParams]):
         self._grid = GridMirror()
         self._standing = StandingHypotheses(TRAP, differs)
 
+    def resume(self, state: object, board: Access) -> None:
+        super().resume(state, board)
+        self._standing.resume(board)
+
     def activate(self, trigger: Entry[Any], board: Access) -> None:
         self._look(board)
 

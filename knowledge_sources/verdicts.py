@@ -10,7 +10,7 @@ from typing import Any
 
 from blackboard.access import Access
 from blackboard.entry import Entry
-from blackboard.kinds import VERDICT
+from blackboard.kinds import VERDICT, Kind
 from blackboard.messages.conflicts import Verdict
 from blackboard.messages.geometry import Point
 from blackboard.uncertainty.theories import Belief, Theory, judge
@@ -29,6 +29,13 @@ class Verdicts:
         self._theory = theory
         self._needs = tuple(needs)
         self._judged: dict[str, tuple[int, Belief]] = {}  # by key: the revision last judged
+
+    def resume(self, board: Access, kind: Kind[Any]) -> None:
+        """After a restart: take away this source's verdicts on hypotheses of a kind that do not stand any more."""
+        standing = {verdict_id(entry) for entry in board.entries(kind)}
+        for verdict in board.own(VERDICT):
+            if str(verdict.id).startswith(f"{kind.name}.") and verdict.id not in standing:
+                board.retract(VERDICT, verdict.id)
 
     def judge(
         self,

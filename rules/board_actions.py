@@ -11,7 +11,7 @@ focus SOURCE RATING|on|off                     the rating of a knowledge source,
 Bou-Ghannam 1992, sections 4.3 and 5.1 (the behavior selector).
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +21,7 @@ from blackboard.access import Access
 from blackboard.component import Parts
 from blackboard.entry import Entry
 from blackboard.errors import did_you_mean
-from blackboard.kinds import FOCUS, MOTIVATION, SWITCH, Kind
+from blackboard.kinds import BEHAVIOUR, COMMUNICATION_ERROR, FOCUS, MOTIVATION, SWITCH, Kind
 from blackboard.messages.control import Focus
 from blackboard.messages.motion import BehaviourStatus, Motivation
 from rules.language.errors import RuleError
@@ -37,6 +37,15 @@ class Deed:
 
     words: str
     step: Step
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActionsState:
+    """What of the board actions outlives their process."""
+
+    numbers: Mapping[str, int]
+    states: Mapping[str, tuple[float | str, ...]]
+    on: Mapping[str, bool]
 
 
 class BoardActions:
@@ -69,6 +78,30 @@ class BoardActions:
             "focus": self.focus,
             "now": lambda: self.now_s,
         }
+
+    def state(self) -> ActionsState:
+        """Return what outlives the process."""
+        return ActionsState(numbers=dict(self._numbers), states=dict(self._states), on=dict(self._on))
+
+    def resume(self, state: ActionsState | None, board: Access) -> None:
+        """Go on after a restart: motivations are numbered on above those that stand, and whoever owes an acknowledgement has time
+        for it once more.
+        """
+        if state is not None:
+            self._numbers, self._states, self._on = dict(state.numbers), dict(state.states), dict(state.on)
+        statuses = {str(entry.id): entry.value for entry in board.entries(BEHAVIOUR)}
+        for behaviour, status in statuses.items():
+            self._on.setdefault(behaviour, status.selected)
+            self._numbers[behaviour] = max(self._numbers.get(behaviour, 0), status.acknowledged)
+        for entry in board.entries(MOTIVATION):
+            behaviour, number = str(entry.id), entry.value.number
+            if number >= self._numbers.get(behaviour, 0):
+                self._numbers[behaviour], self._on[behaviour] = number, entry.value.on
+            if behaviour not in statuses or statuses[behaviour].acknowledged < number:
+                self.waiting[behaviour] = (number, self.now_s)
+        self._late = {str(entry.id) for entry in board.entries(COMMUNICATION_ERROR)} & self.waiting.keys()
+        kinds = {made.kind.path: made.kind for made in self._templates.values()}
+        self._posted = {entry.key for kind in kinds.values() for entry in board.own(kind)}
 
     def take(self) -> list[Deed]:
         """Return what was called since the last time, in order."""

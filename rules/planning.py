@@ -22,7 +22,7 @@ from typing import Any, Literal
 
 from blackboard.access import Access
 from blackboard.component import Parts, Planner
-from blackboard.entry import Entry, Support
+from blackboard.entry import Entry
 from blackboard.errors import SkiError
 from blackboard.key_expressions import is_chunk
 from blackboard.kinds import (
@@ -37,7 +37,7 @@ from blackboard.kinds import (
     SWITCH,
     Kind,
 )
-from blackboard.messages.control import CommunicationError, Fact, Firing, RuleError, RuleFile, RuleFiles
+from blackboard.messages.control import CommunicationError, Firing, RuleError, RuleFile, RuleFiles
 from blackboard.messages.motion import BehaviourStatus
 from blackboard.parameters import require
 from rules.board_actions import BoardActions
@@ -51,7 +51,10 @@ from rules.language.templates import planning_templates
 from rules.language.values import FactValue
 from rules.posted_kinds import posted_kinds
 from rules.reload import take_over
+from rules.remembered import remembered
+from rules.resuming import PlannerState, drop_fired, newest_number, resumed
 from rules.rule_files import RuleFileSet, program_of
+from rules.shown_facts import show_anew, show_changes, show_deffacts, shown
 from rules.working_memory import WorkingMemory
 
 OWN = (MOTIVATION, SWITCH, FOCUS, FIRING, FACT, RULE_ERROR, COMMUNICATION_ERROR, RULES, MISSION)
@@ -151,6 +154,40 @@ class PlanningModule(Planner[PlanningParams]):
             self._memory.engine.assert_fact(fact)
         self._unfinished = True
 
+    def state(self) -> object:
+        if not self._begun:
+            return None
+        return PlannerState(
+            remembered=remembered(self._memory),
+            actions=self._actions.state(),
+            fired=self._fired,
+            told_s=self._told_s,
+            looked_s=self._looked_s,
+        )
+
+    def resume(self, state: object, board: Access) -> None:
+        """Go on where the rules were; where none had begun, begin as ever."""
+        rules = board.newest(RULES)
+        if rules is None:
+            return
+        kept = state if isinstance(state, PlannerState) else None
+        files = RuleFiles(engine=self.params.engine, files=self._texts)
+        known = kept.remembered if kept is not None else None
+        memory, lost = resumed(known, self._memory.engine, self._parts.vocabulary, files, board)
+        self._begun, self._actions.now_s = True, board.now_s
+        if kept is not None:
+            self._fired, self._told_s, self._looked_s = kept.fired, kept.told_s, kept.looked_s
+        drop_fired(memory.engine, board, self._fired)
+        self._fired = max(self._fired, newest_number(board.entries(FIRING)))
+        self._actions.resume(kept.actions if kept is not None else None, board)
+        if rules.value.files != files.files:
+            rules = board.post(RULES, files)
+        show_anew(board, memory, rules)
+        self._take(memory)
+        for fact in lost:
+            fault = RuleError(rule="after a restart", text=f"could not be read back and is lost: {fact}"[:4000])
+            board.post(RULE_ERROR, fault, id=chunk(fault.rule))
+
     def close(self) -> None:
         self._memory.engine.close()
 
@@ -167,10 +204,7 @@ class PlanningModule(Planner[PlanningParams]):
     def _begin(self, board: Access) -> None:
         self._begun = True
         rules = board.post(RULES, RuleFiles(engine=self.params.engine, files=self._texts))
-        for index, fact in self._memory.engine.facts().items():
-            value = Fact(relation=fact.relation, fact=str(fact)[:4000])
-            entry = board.post(FACT, value, id=str(index), supports=(rules,))
-            self._memory.put_behind(index, entry.as_support())
+        show_deffacts(board, self._memory, rules)
 
     def _reload(self, board: Access) -> None:
         """Let changed files take over; where they cannot, say why and go on with the rules that run."""
@@ -183,7 +217,7 @@ class PlanningModule(Planner[PlanningParams]):
             if unknown:
                 raise LanguageError(f"the changed rules post '{unknown[0].path}', which those before did not; run anew")
             engine = make_engine(self.params.engine, program, self._actions.externals())
-            memory = take_over(self._memory, engine)
+            memory = take_over(self._memory, engine, self._parts.vocabulary)
         except SkiError as error:
             if engine is not None:
                 engine.close()
@@ -192,23 +226,11 @@ class PlanningModule(Planner[PlanningParams]):
         self._memory.engine.close()
         self._texts = texts
         rules = board.post(RULES, RuleFiles(engine=self.params.engine, files=texts))
-        self._renumber(board, memory, rules)
+        show_anew(board, memory, rules)
         self._take(memory)
         for kind in memory.kinds:
             for entry in board.entries(kind):
                 self._changed.setdefault(entry.key, entry)
-
-    def _renumber(self, board: Access, memory: WorkingMemory, rules: Entry[RuleFiles]) -> None:
-        """Put what stands in working memory by rules' doing on the board under its new indices."""
-        standing = {str(entry.id): entry for entry in board.entries(FACT)}
-        wanted = {str(index): fact for index, fact in memory.engine.facts().items() if memory.is_ours(index)}
-        for index in standing:
-            if index not in wanted:
-                board.retract(FACT, index)
-        for index, fact in wanted.items():
-            value = Fact(relation=fact.relation, fact=str(fact)[:4000])
-            if index not in standing or standing[index].value != value:
-                board.post(FACT, value, id=index, supports=[memory.support(int(index)) or rules])
 
     def _show_late(self, board: Access) -> None:
         """Post an error for each behaviour that has not acknowledged in time, and take it back where it has since."""
@@ -255,7 +277,7 @@ class PlanningModule(Planner[PlanningParams]):
         value = Firing(
             rule=activation.rule,
             number=self._fired,
-            facts=tuple("" if fact is None else str(fact)[:4000] for fact in matched),
+            facts=tuple(map(shown, matched)),
             did=tuple(deed.words[:4000] for deed in deeds),
             said=fired.printed[:4000],
             error=(fired.error or "")[:4000],
@@ -267,19 +289,7 @@ class PlanningModule(Planner[PlanningParams]):
                 deed.step(board, (firing,))
             except SkiError as error:
                 errors.append(str(error))
-        behind: dict[int, Support] = {}
-        for change in fired.changes:
-            index = str(change.index)
-            if change.asserted:
-                entry = board.post(
-                    FACT,
-                    Fact(relation=change.fact.relation, fact=str(change.fact)[:4000]),
-                    id=index,
-                    supports=(firing,),
-                )
-                behind[change.index] = entry.as_support()
-            elif memory.entry_of(change.index) is None and board.newest(FACT, index) is not None:
-                board.retract(FACT, index)
+        behind = show_changes(board, memory, fired.changes, firing)
         memory.note_changes(fired.changes, behind)
         for text in errors:
             fault = RuleError(rule=activation.rule, text=text[:4000])

@@ -4,7 +4,7 @@ A fact follows from an entry's newest revision. It is asserted anew when a slot 
 stands with the revision that it was asserted with. A fact that a rule retracts stays away until its entry changes again.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ from rules.engines.engine import Engine, FactChange
 from rules.language.errors import RuleError
 from rules.language.syntax import Program, Slot, Template
 from rules.language.templates import KindTemplate, kind_templates
-from rules.language.values import NIL, FactValue, Value, same
+from rules.language.values import NIL, FactValue, Value, readdressed_fact, same
 from rules.language.walk import patterns_in
 
 CLOCK = "clock"  # the template of the mission's clock: (clock (time-s 12.0))
@@ -44,6 +44,16 @@ class _Held:
     entry: Entry[Any]
     fact: FactValue
     index: int | None  # None once a rule has retracted it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MemoryRecord:
+    """A working memory, frozen: `held` are entry, fact and index by key."""
+
+    facts: Mapping[int, FactValue]
+    held: Mapping[str, tuple[Entry[Any], FactValue, int | None]]
+    behind: Mapping[int, Support]
+    clock: int | None
 
 
 def fitted(fact: FactValue, templates: Mapping[str, Template]) -> FactValue:
@@ -177,26 +187,36 @@ class WorkingMemory:
             if key is not None:
                 self._held[key].index = None
 
-    def move_to(self, engine: Engine) -> "tuple[WorkingMemory, dict[int, int]]":
-        """Return the working memory of another engine with the same facts, and the new index of each by the old one.
+    def record(self) -> MemoryRecord:
+        """Return all facts, and what stands behind them."""
+        held = {key: (held.entry, held.fact, held.index) for key, held in self._held.items()}
+        return MemoryRecord(facts=self.engine.facts(), held=held, behind=dict(self._behind), clock=self._clock)
 
-        Raises RuleError where a fact does not fit the other engine's templates.
+    def restore(self, record: MemoryRecord) -> dict[int, int]:
+        """Take the facts of another working memory in, this one being empty; return the new index of each by the old one.
+
+        Raises RuleError where a fact does not fit this engine's templates.
         """
-        moved = WorkingMemory(engine, self._vocabulary)
+        engine = self.engine
         indices: dict[int, int] = {}
         templates = {template.name: template for template in engine.program.templates}
-        for index, fact in self.engine.facts().items():
-            new = engine.assert_fact(fitted(fact, templates))
+        for old, fact in record.facts.items():
+            new = engine.assert_fact(readdressed_fact(fitted(fact, templates), indices))
             if new is not None:
-                indices[index] = new
-        for key, held in self._held.items():
-            if moved.looks_at(key):
-                there = indices.get(held.index) if held.index is not None else None
-                moved._held[key] = _Held(held.entry, held.fact, there)
+                indices[old] = new
+        for key, (entry, fact, index) in record.held.items():
+            if self.looks_at(key):
+                there = indices.get(index) if index is not None else None
+                self._held[key] = _Held(entry, fact, there)
                 if there is not None:
-                    moved._key_of[there] = key
-            elif held.index is not None:  # no rule looks at it any more
-                engine.retract(indices.pop(held.index))
-        moved._behind = {indices[old]: support for old, support in self._behind.items() if old in indices}
-        moved._clock = indices.get(self._clock) if self._clock is not None else None
-        return moved, indices
+                    self._key_of[there] = key
+            elif index is not None and index in indices:  # no rule looks at it any more
+                engine.retract(indices.pop(index))
+        self._behind = {indices[old]: support for old, support in record.behind.items() if old in indices}
+        self._clock = indices.get(record.clock) if record.clock is not None else None
+        return indices
+
+    def forget_all_but(self, standing: Container[str]) -> None:
+        """Retract the facts of entries that do not stand any more, by their keys."""
+        for key in [key for key in self._held if key not in standing]:
+            self._drop(self._held.pop(key))

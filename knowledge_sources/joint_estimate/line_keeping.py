@@ -13,9 +13,9 @@ from blackboard.uncertainty.chi_square import chi_square_quantile
 from knowledge_sources.joint_estimate.line_association import LinePair, badly_seen, estimate_of, pair_lines
 from knowledge_sources.joint_estimate.line_uniting import longer, unite
 from knowledge_sources.joint_estimate.params import JointLinesParams
-from knowledge_sources.joint_estimate.state import JointState, LineExtent, X, Y
+from knowledge_sources.joint_estimate.state import PAST, JointState, LineExtent, X, Y
 from knowledge_sources.joint_estimate.window import Window
-from knowledge_sources.line_estimates import as_model_line, from_model_line
+from knowledge_sources.line_estimates import LineEstimate, as_model_line, from_model_line
 from knowledge_sources.line_match import MatchLimits, merge_lines
 from knowledge_sources.line_model import Observed, best_match
 from knowledge_sources.lines_in_question import LinesInQuestion, not_missing, seen_at_s, with_another
@@ -34,6 +34,21 @@ class LineKeeper:
         self._in_question = LinesInQuestion(params.question)
         self._shown: dict[str, ModelLine] = {}
         self._limits = MatchLimits(gap_m=params.gap_m)
+
+    def resume(self, state: JointState, board: Access) -> None:
+        """After a restart: the lines of the state are those that stand; one that it does not know is taken in by itself."""
+        self._made = max(self._made, board.last_number(MODEL_LINE), board.last_number(NEW_AREA_VISITED))
+        standing = {str(entry.id): entry.value for entry in board.own(MODEL_LINE)}
+        for extent in list(state.lines):
+            if extent.id not in standing:
+                state.drop(state.number(extent.id))
+        known = {extent.id for extent in state.lines}
+        for id_, value in standing.items():
+            if id_ not in known:
+                line = from_model_line(value)
+                state.add(_extent(id_, line), line.theta_rad, line.covariance, np.zeros((2, PAST)))
+        self._shown = standing
+        self._in_question.resume(board)
 
     def take_in(self, state: JointState, seen: list[Observed], trigger: Entry[Any], board: Access) -> None:
         """Take in a batch of observed lines; what changed is posted."""
@@ -116,11 +131,7 @@ class LineKeeper:
 
     def _admit(self, state: JointState, id_: str, seen: Observed) -> None:
         line = seen.line
-        half = line.half_length_m
-        extent = LineExtent(
-            id=id_, anchor_x_m=line.x_m, anchor_y_m=line.y_m, from_m=-half, to_m=half, faces_left=line.faces_left
-        )
-        state.add(extent, line.theta_rad, line.covariance, state.seen(line.x_m, line.y_m, line.theta_rad))
+        state.add(_extent(id_, line), line.theta_rad, line.covariance, state.seen(line.x_m, line.y_m, line.theta_rad))
         self._window.look_back(state, self._params)
 
     def _post(
@@ -145,6 +156,13 @@ class LineKeeper:
 
     def _forget(self, id_: str) -> None:
         self._shown.pop(id_, None)
+
+
+def _extent(id_: str, line: LineEstimate) -> LineExtent:
+    half = line.half_length_m
+    return LineExtent(
+        id=id_, anchor_x_m=line.x_m, anchor_y_m=line.y_m, from_m=-half, to_m=half, faces_left=line.faces_left
+    )
 
 
 def _alike(a: ModelLine, b: ModelLine) -> bool:

@@ -12,6 +12,7 @@ The normal points to the right of the direction. Sources: Smith, Self and Cheese
 section 2.5.2 for the Kalman equations.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, hypot, sin
 
@@ -168,6 +169,13 @@ class JointState:
         ph = self.covariance @ h
         change = ph * (difference / float(h @ ph))
         self.covariance = self.covariance + np.outer(change, change)
+
+    def trust_pose(self, upper: Sequence[float]) -> None:
+        """Let the pose be as sure as these six numbers of its covariance say, sharing nothing with the rest."""
+        own = np.zeros((3, 3))
+        own[np.triu_indices(3)] = upper
+        self.covariance[:DISTANCE_SCALE, :DISTANCE_SCALE] = own + np.triu(own, 1).T
+        self.begin_batch()
 
     def widen_pose(self, off: Array) -> None:
         """Make the pose less sure by as much as it may be off, (3,)."""
