@@ -93,18 +93,15 @@ def _listen_as_host(pipe: Connection, session: Session) -> list[float]:
     replica.join()
     looker = Looker()
     control = Control(replica.board, [looker])
-    done: SimpleQueue[bool] = SimpleQueue()
     pipe.send("ready")
-    while done.empty():
-        if pipe.poll():
-            pipe.recv()
-            break
+    while not pipe.poll():
         try:
             replica.handle(replica.queue.get(timeout=0.2))
-        except Exception:
+        except Empty:
             continue
         if control.waiting:
             control.run_cycle()
+    pipe.recv()
     return looker.seen
 
 
