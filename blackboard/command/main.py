@@ -19,6 +19,7 @@ VERBS = {
     "vocabulary": "print every kind of entry, with its JSON Schema",
     "why": "explain an entry of a run, down to the readings",
     "find": "find objects of a run by kind, place, name or description, and what a place is part of",
+    "board": "keep the board for all processes of a mission, and see how it stands",
     "rules": "check rule files, and see what rules can look at",
     "host": "run one process of a mission, on the board that a keeper keeps",
     "agent": "run parts of missions on this machine for a manager (ski up) here or elsewhere",

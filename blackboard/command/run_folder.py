@@ -27,6 +27,8 @@ def run_folder(options: argparse.Namespace) -> Path:
     if options.folder is not None:
         folder = Path(options.folder)
         robots = sorted(path.parent.name for path in folder.glob(f"*/{FILE_NAME}"))
+        if len(robots) == 1 and not (folder / FILE_NAME).exists():
+            return folder / robots[0]
         if robots and not (folder / FILE_NAME).exists():
             raise OutputError(
                 f"{folder} is a run of several robots ({', '.join(robots)}); name one: --in {folder / robots[0]}"

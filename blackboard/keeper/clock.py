@@ -2,12 +2,14 @@
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from threading import Lock
 
 import msgspec
 
 from blackboard.errors import MessageError
+from blackboard.link.clock import ClockAnswer, ClockQuestion
 
 FILE_NAME = "clock.json"
 
@@ -20,22 +22,7 @@ class Begun(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     pace: float
 
 
-class ClockQuestion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the keeper is asked: nothing, or to begin the clock where it has not begun."""
-
-    begin: float | None = None
-    pace: float = 1.0
-
-
-class ClockAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """The mission's clock (None: not begun), the keeper's wall clock, and seconds of the first in one of the second."""
-
-    now_s: float | None
-    wall_s: float
-    pace: float
-
-
-class MissionClock:
+class KeptClock:
     """Answers from whatever thread asks. `wall` is the machine's clock, in seconds."""
 
     def __init__(self, folder: Path, wall: Callable[[], float]) -> None:
@@ -43,6 +30,7 @@ class MissionClock:
         self._wall = wall
         self._lock = Lock()
         self._begun: Begun | None = None
+        self._kept = True  # on disk
         try:
             self._begun = msgspec.json.decode(self._path.read_bytes(), type=Begun)
         except (OSError, msgspec.DecodeError, UnicodeDecodeError):
@@ -51,8 +39,7 @@ class MissionClock:
     @property
     def now_s(self) -> float | None:
         """The mission's clock; None where it has not begun."""
-        begun = self._begun
-        return None if begun is None else begun.begin + (self._wall() - begun.wall_s) * begun.pace
+        return self._at(self._wall())
 
     def answer(self, question: bytes) -> ClockAnswer:
         """Answer a question, beginning the clock if it asks for that; raise MessageError where it is none."""
@@ -64,15 +51,26 @@ class MissionClock:
             if not (abs(asked.begin) <= 1e10 and 0 < asked.pace <= 1e4):
                 raise MessageError(f"a clock begins within 1e10 s of zero at a pace up to 10000, not {question[:80]!r}")
             self._begin(asked.begin, asked.pace)
+        wall_s, begun = self._wall(), self._begun
+        return ClockAnswer(now_s=self._at(wall_s), wall_s=wall_s, pace=begun.pace if begun is not None else 1.0)
+
+    def _at(self, wall_s: float) -> float | None:
         begun = self._begun
-        return ClockAnswer(now_s=self.now_s, wall_s=self._wall(), pace=begun.pace if begun is not None else 1.0)
+        return None if begun is None else begun.begin + (wall_s - begun.wall_s) * begun.pace
+
+    def keep(self) -> None:
+        """Write down what could not be written when the clock began."""
+        if self._begun is not None and not self._kept:
+            with suppress(OSError):
+                replace_file(self._path, msgspec.json.encode(self._begun))
+                self._kept = True
 
     def _begin(self, begin: float, pace: float) -> None:
         with self._lock:
             if self._begun is None:
-                begun = Begun(wall_s=self._wall(), begin=begin, pace=pace)
-                replace_file(self._path, msgspec.json.encode(begun))
-                self._begun = begun
+                self._begun = Begun(wall_s=self._wall(), begin=begin, pace=pace)
+                self._kept = False
+                self.keep()
 
 
 def replace_file(path: Path, text: bytes) -> None:

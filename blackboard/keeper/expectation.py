@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from blackboard.keeper.positions import BootLane, LanePositions
 
+MAX_LANES = 10_000  # with what their hosts say; of boots long gone nothing more is expected
+
 
 @dataclass(frozen=True, slots=True)
 class LaneCount:
@@ -38,6 +40,9 @@ class Expectation:
         """Remember what is expected at this moment; what was expected at the last look is due from now on."""
         self._before = self._then
         self._then = self._expected(positions)
+        if len(self._sent) > MAX_LANES:
+            known = dict(positions)
+            self._sent = {name: number for name, number in self._sent.items() if name in known}
 
     def due_at_once(self, positions: LanePositions) -> None:
         """Take what is expected at this moment as due, as after a restart."""

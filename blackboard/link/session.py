@@ -69,7 +69,12 @@ class Question:
 
     def fail(self, text: str) -> None:
         """Say why there is no answer."""
-        self._query.reply_err(text.encode())
+        import zenoh
+
+        try:
+            self._query.reply_err(text.encode())
+        except zenoh.ZError as error:
+            raise LinkError(f"{self.key}: the answer could not be sent ({error})") from None
 
     def finish(self) -> None:
         """Let the asker know that this was all."""
