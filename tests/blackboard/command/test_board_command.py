@@ -121,11 +121,14 @@ def test_killed_in_the_middle_it_comes_back_with_everything(serve, address, tmp_
 def test_a_gap_is_told_and_the_exit_status_says_so(serve, address, capsys):
     listening(serve())
     with open_session(LinkParams(address=address)) as session:
-        payload = b'{"key":"ski/k2a/observations/signal/battery","revision":2,"event":"revised","stamp_s":1,"source":"r",'
+        payload = (
+            b'{"key":"ski/k2a/observations/signal/battery","revision":2,"event":"revised","stamp_s":1,"source":"r",'
+        )
         payload += b'"value":{"charge_fraction":1}}'
-        session.put("ski/k2a/observations/signal/battery", payload, b"robot b1 signal 2", "signal")
-        while main(["board", "status", "--connect", address]) != 1:
-            pass
+        status = 0
+        while status != 1:  # it is given time to arrive
+            session.put("ski/k2a/observations/signal/battery", payload, b"robot b1 signal 2", "signal")
+            status = main(["board", "status", "--connect", address])
     assert "1 envelopes are MISSING" in capsys.readouterr().out
 
 

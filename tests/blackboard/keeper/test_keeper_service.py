@@ -81,7 +81,7 @@ def test_a_board_that_nobody_has_posted_to_is_empty(client):
 def test_who_missed_some_gets_them_and_who_lost_some_hands_them_in(keeper, client, battery):
     heard = beats(client)
     send(client, [battery(n) for n in (1, 2, 5)], heard, held(up_to=2))
-    batch = [Envelope(read_origin(battery(n).attachment), battery(n).payload) for n in (3, 4)]
+    batch = [Envelope(read_origin(battery(n).attachment), battery(n).payload) for n in (3, 4, 5)]
     answer = ask(client, late("k2a", "observations"), join_batch(batch))[0]
     assert msgspec.json.decode(answer.payload, type=KeeperBeat).lanes == {"robot": {"b1": {"signal": 5}}}
     question = LostQuestion(host="robot", boot="b1", lane="signal", first=2, last=9)
