@@ -6,7 +6,7 @@ to the host that bears the word's name, declared or not.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from blackboard.errors import MissionError, did_you_mean
@@ -63,6 +63,7 @@ class HostPlan:
     rules: bool = False
     sources: tuple[str, ...] = ()  # knowledge sources by name, in the mission's order
     params: HostParams = field(default_factory=HostParams)
+    of: str = ""  # the robot that it works for; empty: for all of the mission
 
     def words(self) -> list[str]:
         """Return what it runs, for people."""
@@ -91,7 +92,7 @@ def read_hosts(file: TomlFile, settings: Mapping[str, Mapping[str, Any]]) -> tup
 
 
 def placement(mission: "Mission") -> tuple[HostPlan, ...]:
-    """Return the hosts of a mission: every component in exactly one.
+    """Return the hosts of a mission: every component in exactly one. Of several robots each has its own, `<robot>.<host>`.
 
     Raises MissionError with file and line for what is named twice or nowhere in the mission, and for a host without work.
     """
@@ -125,7 +126,14 @@ def placement(mission: "Mission") -> tuple[HostPlan, ...]:
         elif name in params:
             table = next(table for table in mission.hosts if table.name == name)
             raise MissionError(f"{table.place.at('runs')}: the host '{name}' runs nothing; add runs = [...] or drop it")
-    return tuple(plans)
+    return tuple(each for plan in plans for each in _for_robots(plan, mission))
+
+
+def _for_robots(plan: HostPlan, mission: "Mission") -> list[HostPlan]:
+    """Return a host for each of several robots; all that runs with the robots stays in one, since their world is one."""
+    if plan.robot or not mission.team:
+        return [plan]
+    return [replace(plan, name=f"{robot.name}.{plan.name}", of=robot.name) for robot in mission.team]
 
 
 def _check(

@@ -6,19 +6,19 @@ layer at once. Nothing here depends on what other hosts do: where they fall sile
 
 import platform
 import time
+from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from queue import Empty
+from queue import Empty, SimpleQueue
 
-from blackboard.assembly import assemble
-from blackboard.checkpoint import mission_identity
+from blackboard.assembly import Assembly, assemble
 from blackboard.errors import MissionError
-from blackboard.link.kept_states import KeptStates
-from blackboard.link.lanes import Lane
-from blackboard.link.replica import Item, Replica
-from blackboard.link.session import LinkParams, open_session
-from blackboard.link.stages import Stages
+from blackboard.link.replica import Item
+from blackboard.link.session import LinkParams, Session, open_session
+from blackboard.link.share import Share
+from blackboard.members import member, members, share_world
 from blackboard.mission import Mission
 from blackboard.placement import placement
 
@@ -40,7 +40,10 @@ class HostOptions:
 
 
 class Host:
-    """One host of a mission. `run` returns when somebody calls `stop` (from any thread, or a signal's handler)."""
+    """One host of a mission. `run` returns when somebody calls `stop` (from any thread, or a signal's handler).
+
+    Of a mission with several robots, the host of the robots works on the boards of all of them, any other on one.
+    """
 
     def __init__(self, mission: Mission, name: str, options: HostOptions) -> None:
         plans = {plan.name: plan for plan in placement(mission)}
@@ -49,99 +52,75 @@ class Host:
         self.plan = plans[name]
         self.options = options
         self.machine = options.machine or platform.node()
-        self._assembly = assemble(mission, options.seed)
+        missions = [member(mission, self.plan.of)] if self.plan.of else members(mission)
+        self._assemblies = [assemble(its, options.seed) for its in missions]
+        if self.plan.robot:
+            share_world(missions, [assembly.robot for assembly in self._assemblies])
+        self._queue: SimpleQueue[Item] = SimpleQueue()
         self._stopping = False
-        self._replica: Replica | None = None
 
     def run(self) -> None:
-        """Join the board and work until stopped. Raises LinkError where no keeper answers."""
-        robot = self._assembly.robot
-        with open_session(self.options.link) as session:
-            newest: tuple[Lane, ...] = ("signal",) if self.plan.behaviours or self.plan.robot else ()
-            replica = self._replica = Replica(
-                session,
-                self._assembly.vocabulary,
-                robot.description.name,
-                self.plan.name,
-                state=self.options.state,
-                history=self._assembly.mission.history,
-                newest=newest,
-            )
-            stages = Stages(replica.board, self._assembly, self.plan, strict=self.options.strict)
-            try:
-                begin_s = robot.start_s if self.plan.robot else None
-                replica.join(begin_s=begin_s, pace=self.options.pace)
-                replica.board.now_s = max(replica.board.now_s, replica.now_s())
-                kept = self._kept(replica)
-                stages.resume(kept.restored())
-                if stages.robot is not None:
-                    stages.robot.begin(replica.now_s())
-                self._loop(replica, stages, kept)
-                self._finish(replica, stages)
-            finally:
-                replica.close()
-                robot.close()
+        """Join the boards and work until stopped. Raises LinkError where no keeper answers."""
+        with ExitStack() as closing:
+            session = closing.enter_context(open_session(self.options.link))
+            shares: list[Share] = []
+            for assembly in self._assemblies:
+                shares.append(self._share(session, assembly))
+                closing.callback(shares[-1].close)
+            for share in shares:
+                share.join(self.options.pace, shares[0].replica.now_s() if share is not shares[0] else None)
+            self._loop(shares)
+            self._finish(shares)
 
     def stop(self) -> None:
         """End soon."""
         self._stopping = True
-        if self._replica is not None:
-            self._replica.queue.put(lambda: None)
+        self._queue.put(lambda: None)
 
-    def _loop(self, replica: Replica, stages: Stages, kept: KeptStates) -> None:
-        board = replica.board
+    def _share(self, session: Session, assembly: Assembly) -> Share:
+        state = self.options.state
+        if state is not None and len(self._assemblies) > 1:
+            state = state / assembly.robot.name
+        seed, strict = self.options.seed, self.options.strict
+        return Share(session, assembly, self.plan, self._queue, seed=seed, state=state, strict=strict)
+
+    def _loop(self, shares: Sequence[Share]) -> None:
         beaten_s = float("-inf")
         more = False
         while not self._stopping:
             monotonic_s = time.monotonic()
             if monotonic_s - beaten_s >= BEAT_S:
                 beaten_s = monotonic_s
-                replica.beat(stages.components, self.machine, _VERSION)
-                replica.tend()
-            wait_s = 0.0 if more else min(beaten_s + BEAT_S - monotonic_s, self._until_due_s(replica, stages))
-            self._take(replica, wait_s)
-            now_s = replica.now_s()
-            if stages.robot is not None and replica.clock.running:
-                while stages.robot.next_s <= now_s and not self._stopping:
-                    stages.robot.cycle()
-                    if stages.behaviours is not None:
-                        stages.behaviours.answer()
-                        stages.robot.obey()
-                    kept.keep_robot(board.now_s, stages.robot)
-            board.now_s = max(board.now_s, now_s)
-            more = stages.work()
-            kept.keep(board.now_s, stages)
+                self._beat(shares)
+            due_s = min(share.until_due_s for share in shares)
+            self._take(0.0 if more else min(beaten_s + BEAT_S - monotonic_s, due_s))
+            left = [share.work() for share in shares]  # in turns, also where robots are behind: their world is one
+            more = any(left)
 
-    def _kept(self, replica: Replica) -> KeptStates:
-        identity = mission_identity(self._assembly.mission, self.options.seed)
-        return KeptStates(self.options.state, identity, replica.boot, replica.board)
+    def _beat(self, shares: Sequence[Share], *, leaving: bool = False) -> None:
+        for share in shares:
+            share.beat(self.machine, _VERSION, leaving=leaving)
 
-    def _until_due_s(self, replica: Replica, stages: Stages) -> float:
-        if not replica.clock.running:
-            return BEAT_S
-        return max(0.0, (stages.next_s - replica.now_s()) / replica.clock.pace)
-
-    def _take(self, replica: Replica, wait_s: float) -> None:
+    def _take(self, wait_s: float) -> None:
         """Wait for an arrival, and handle it and what came with it."""
-        queue = replica.queue
-        item: Item
+        queue = self._queue
         try:
             item = queue.get(timeout=wait_s) if wait_s > 0 else queue.get_nowait()
             for _ in range(BURST):
-                replica.handle(item)
+                item()
                 item = queue.get_nowait()
-            replica.handle(item)
+            item()
         except Empty:
             return
 
-    def _finish(self, replica: Replica, stages: Stages) -> None:
-        stages.finish()
+    def _finish(self, shares: Sequence[Share]) -> None:
+        for share in shares:
+            share.stages.finish()
         end_s = time.monotonic() + FLUSH_S
-        while replica.unacknowledged and time.monotonic() < end_s:
-            self._take(replica, 0.05)
-            replica.tend()
-            replica.beat(stages.components, self.machine, _VERSION)
-        replica.beat(stages.components, self.machine, _VERSION, leaving=True)
+        while any(share.replica.unacknowledged for share in shares) and time.monotonic() < end_s:
+            self._take(0.05)
+            self._beat(shares)
+        self._beat(shares, leaving=True)
 
 
 _VERSION = version("sensory-knowledge-integrator")

@@ -66,12 +66,16 @@ class Replica:
         history: HistoryParams | None = None,
         lanes: Collection[Lane] = LANES,
         newest: Collection[Lane] = (),
+        queue: "SimpleQueue[Item] | None" = None,
     ) -> None:
-        """Make a replica for process `host`; `state` is the folder of its outbox, `lanes` what it wants to hear at all."""
+        """Make a replica for process `host`; `state` is the folder of its outbox, `lanes` what it wants to hear at all.
+
+        Replicas of several boards in one process share a `queue`, so that one loop can wait for all of them.
+        """
         self.board = Board(vocabulary, robot=robot, history=history)
         self.board.outgoing = self._send
         self.clock = MissionClock()
-        self.queue: SimpleQueue[Item] = SimpleQueue()
+        self.queue: SimpleQueue[Item] = queue if queue is not None else SimpleQueue()
         self.host = host
         self.boot = secrets.token_hex(4)
         self.refused: dict[str, int] = {}  # what came and was unfit, by reason

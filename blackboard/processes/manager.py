@@ -60,7 +60,7 @@ def orders_of(
         on = plan.params.on or machine
         order = HostOrder(
             name=plan.name,
-            robot=robot,
+            robot=plan.of or robot,
             mission=mission,
             seed=seed,
             pace=pace,

@@ -7,6 +7,7 @@ import pytest
 from blackboard.errors import MissionError
 from blackboard.members import member, members, share_world
 from blackboard.mission import Mission, find_mission, load_mission
+from blackboard.placement import placement
 
 ROBOTS = """\
 [[robot]]
@@ -124,3 +125,13 @@ def test_a_robot_that_cannot_share_a_world_is_refused(tmp_path: Path) -> None:
     )
     text = ROBOTS.partition("\n\n")[0] + '\n\n[[robot]]\nname = "west"\nuse = "alone.py:Alone"\n'
     assert "pair.toml:8: [robot]: Alone cannot share a world with another robot" in refusal(tmp_path, text)
+
+
+def test_hosts_are_each_robots_own_but_the_one_with_the_robots(tmp_path: Path) -> None:
+    plans = placement(load(tmp_path, ROBOTS))
+    names = ["robot", "east.behaviours", "west.behaviours", "east.knowledge_sources", "west.knowledge_sources"]
+    assert [plan.name for plan in plans] == names
+    assert [plan.of for plan in plans] == ["", "east", "west", "east", "west"]
+    together = placement(load(tmp_path, '[hosts.both]\nruns = ["robot", "behaviours"]\n\n' + ROBOTS))
+    assert [plan.name for plan in together] == ["both", "east.knowledge_sources", "west.knowledge_sources"]
+    assert together[0].behaviours
