@@ -91,6 +91,7 @@ class Keeper:
         self._desks: dict[str, RobotDesk] = {}
         self._intake: Intake[Item] = Intake(self.params.queue_envelopes, self.params.queue_bytes)
         self._stopping = False
+        self._closed = False
         self._session: Session | None = None
         if fresh:
             set_aside(folder)
@@ -140,7 +141,10 @@ class Keeper:
         self._stopping = True
 
     def close(self) -> None:
-        """Stop listening, take in what has come, write checkpoints, let go of the folder."""
+        """Stop listening, take in what has come, write checkpoints, let go of the folder. A second time does nothing."""
+        if self._closed:
+            return
+        self._closed = True
         if self._session is not None:
             self._session.close()
             self._session = None

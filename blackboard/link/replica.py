@@ -209,6 +209,9 @@ class Replica:
 
     def _handed_in(self, answers: Sequence[Answer]) -> None:
         self._late_underway -= 1
+        for answer in answers:
+            if not answer.error:
+                self._take_beat(answer.payload)
         if not self._late_underway and any(self._handed[lane] < self._unsent[lane] for lane in LANES):
             self._hand_in()
 
@@ -265,8 +268,14 @@ class Replica:
         self.refused[reason] = self.refused.get(reason, 0) + 1
 
     def _keeper_beat(self, arrived: Arrived) -> None:
+        self._take_beat(arrived.payload)
+        for question in self._inbox.gaps():
+            self._ask_lost(question)
+
+    def _take_beat(self, text: bytes) -> None:
+        """Take note of how far the keeper holds every lane."""
         try:
-            beat = msgspec.json.decode(arrived.payload, type=KeeperBeat)
+            beat = msgspec.json.decode(text, type=KeeperBeat)
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
             self._refuse("beat", error)
             return
@@ -277,8 +286,6 @@ class Replica:
                 self._outbox.acknowledge(lane, number)
                 self._sent_s[lane] = now_s
         self._inbox.told(beat.lanes)
-        for question in self._inbox.gaps():
-            self._ask_lost(question)
 
     def _ask_lost(self, question: LostQuestion) -> None:
         def answered(answers: Sequence[Answer]) -> None:
