@@ -13,8 +13,8 @@ import tempfile
 from pathlib import Path
 
 from deployment import Deployment, Processes, free_port
-from exploring import explore
 from exploring import Outcome as Embedded
+from exploring import explore
 from trial import Report, run_to_end
 
 from blackboard.mission import find_mission, load_mission
