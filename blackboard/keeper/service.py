@@ -15,11 +15,11 @@ from typing import NamedTuple
 import msgspec
 
 from blackboard.errors import BoardError, LinkError, MessageError, SkiError
+from blackboard.folder_lock import FolderLock
 from blackboard.keeper.board_folder import robots_in, set_aside
 from blackboard.keeper.checking import Checker, Refusals, Refused
 from blackboard.keeper.clock import KeptClock
 from blackboard.keeper.intake import Intake
-from blackboard.keeper.lock import FolderLock
 from blackboard.keeper.params import KeeperParams
 from blackboard.keeper.robot_desk import KEEPER, RobotDesk
 from blackboard.keeper.status import KeeperStatus
@@ -83,7 +83,7 @@ class Keeper:
         self._checker = Checker(vocabulary, self.params.entry_bytes)
         self._tell = tell
         self._rejected = rejected
-        self._lock = FolderLock(folder)
+        self._lock = FolderLock(folder, "keeper", "--out")
         self._started_s = time.monotonic()
         self._wall_minus_monotonic_s = time.time() - self._started_s
         self._clocks: dict[str, KeptClock] = {}

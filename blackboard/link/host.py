@@ -15,6 +15,7 @@ from queue import Empty, SimpleQueue
 
 from blackboard.assembly import Assembly, assemble
 from blackboard.errors import MissionError
+from blackboard.folder_lock import FolderLock
 from blackboard.link.replica import Item
 from blackboard.link.session import LinkParams, Session, open_session
 from blackboard.link.share import Share
@@ -62,6 +63,8 @@ class Host:
     def run(self) -> None:
         """Join the boards and work until stopped. Raises LinkError where no keeper answers."""
         with ExitStack() as closing:
+            if self.options.state is not None:
+                closing.callback(FolderLock(self.options.state, "host", "--state").release)
             session = closing.enter_context(open_session(self.options.link))
             shares: list[Share] = []
             for assembly in self._assemblies:

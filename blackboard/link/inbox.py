@@ -13,6 +13,9 @@ from blackboard.link.lanes import LANES, QUALITY, Lane
 Stream = tuple[str, str, Lane]  # host, boot, lane
 MAX_EARLY = 5000  # envelopes of a stream that wait for a gap before them; what comes then is asked for again
 MAX_ASKED = 5000  # of one question: some megabytes
+HOLD_S = (
+    10.0  # what waits for longer waits for what nobody will ever hand in: its poster is gone, and its outbox with it
+)
 
 
 @dataclass
@@ -23,6 +26,7 @@ class _Position:
     told: int = 0  # the keeper holds all up to here
     early: dict[int, Envelope] = field(default_factory=dict)
     asked: bool = False  # an answer is on its way
+    held_s: float | None = None  # since when something waits for what not even the keeper has
 
 
 class Inbox:
@@ -77,6 +81,22 @@ class Inbox:
                 position.asked = True
                 questions.append(LostQuestion(host=host, boot=boot, lane=lane, first=position.number + 1, last=last))
         return questions
+
+    def overdue(self, now_s: float) -> list[Envelope]:
+        """Return what has waited too long for what not even the keeper has, which is skipped; by any clock that runs evenly."""
+        delivered: list[Envelope] = []
+        for position in self._streams.values():
+            if not position.early or position.asked or position.told > position.number:
+                position.held_s = None
+            elif position.held_s is None:
+                position.held_s = now_s
+            elif now_s - position.held_s > HOLD_S:
+                position.held_s = None
+                first = min(position.early)
+                self.skipped += first - 1 - position.number
+                position.number = first - 1
+                delivered += _follow(position)
+        return delivered
 
     def told(self, positions: Positions) -> None:
         """Take note of how far the keeper holds each lane."""

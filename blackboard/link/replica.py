@@ -127,6 +127,8 @@ class Replica:
         now_s = time.monotonic()
         for question in self._inbox.gaps():
             self._ask_lost(question)
+        for envelope in self._inbox.overdue(now_s):
+            self._deliver(envelope)
         if not self._late_underway:
             self._hand_in()
         if not self.clock.running or now_s - self._measured_s >= MEASURE_EVERY_S:

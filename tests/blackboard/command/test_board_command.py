@@ -145,7 +145,7 @@ def test_refusals_are_one_line(serve, address, tmp_path, capsys):
     third = serve(at=elsewhere)
     said = third.communicate(timeout=WAIT_S)[1]
     assert (third.returncode, len(said.splitlines())) == (2, 1)
-    assert f"another keeper (process {first.pid}) journals there" in said
+    assert f"another keeper (process {first.pid}) uses it" in said
     assert main(["board", "serve", "--listen", "tcp/0.0.0.0:7510"]) == 2
     assert main(["board", "serve", "--listen", "nonsense:x"]) == 2
     assert main(["board", "serve", "no-such-mission"]) == 2

@@ -6,10 +6,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from blackboard.errors import OutputError
+from blackboard.folder_lock import FolderLock
 from blackboard.journal import read_journal
 from blackboard.keeper.checking import Checker
 from blackboard.keeper.kept_board import KeptBoard
-from blackboard.keeper.lock import FolderLock
 from blackboard.keeper.params import KeeperParams
 from blackboard.link.envelope import Envelope, LostQuestion, read_origin
 from blackboard.vocabulary import Vocabulary
@@ -196,8 +196,8 @@ def test_a_ring_forgets_the_oldest_and_commands_are_never_handed_on(tmp_path, ba
 
 
 def test_one_keeper_for_one_folder(tmp_path):
-    lock = FolderLock(tmp_path)
-    with pytest.raises(OutputError, match=f"another keeper .process {os.getpid()}. journals there"):
-        FolderLock(tmp_path)
+    lock = FolderLock(tmp_path, "keeper", "--out")
+    with pytest.raises(OutputError, match=f"another keeper .process {os.getpid()}. uses it"):
+        FolderLock(tmp_path, "keeper", "--out")
     lock.release()
-    FolderLock(tmp_path).release()
+    FolderLock(tmp_path, "keeper", "--out").release()

@@ -2,7 +2,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blackboard.link.envelope import Envelope, LostQuestion, Origin
-from blackboard.link.inbox import Inbox
+from blackboard.link.inbox import HOLD_S, Inbox
 
 
 def envelope(number, lane="knowledge", host="mapper", boot="b1"):
@@ -75,6 +75,17 @@ def test_a_snapshot_says_where_to_go_on():
     inbox.take(envelope(7))
     assert numbers(inbox.start({"mapper": {"b1": {"knowledge": 6}}})) == [7]
     assert numbers(inbox.take(envelope(8))) == [8]
+
+
+def test_what_not_even_the_keeper_will_ever_have_is_waited_for_so_long_and_skipped():
+    inbox = Inbox("me")
+    inbox.take(envelope(1))
+    inbox.take(envelope(4))
+    inbox.told({"mapper": {"b1": {"knowledge": 1}}})
+    assert inbox.overdue(100.0) == []
+    assert inbox.overdue(100.0 + HOLD_S) == []
+    assert numbers(inbox.overdue(100.1 + HOLD_S)) == [4]
+    assert inbox.skipped == 2
 
 
 @given(st.integers(1, 30), st.data())
