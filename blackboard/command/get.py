@@ -42,7 +42,8 @@ def call(options: argparse.Namespace) -> int:
     else:
         sys.stdout.writelines(f"{printable(a.key)} {summarise(a.payload)}\n" for a in found)
     if not found:
-        sys.stderr.write(f"ski: nothing stands at {expression}; `ski get` without a PATTERN shows all there is\n")
+        hint = "" if options.pattern == EVERYTHING else "; `ski get` without a PATTERN shows all there is"
+        sys.stderr.write(f"ski: nothing stands at {expression}{hint}\n")
     return 0 if found else 1
 
 

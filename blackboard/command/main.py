@@ -15,6 +15,8 @@ VERBS = {
     "watch": "show what is on a running board and what comes, as a live table",
     "echo": "print the entries of a running board as they come",
     "get": "print what stands on a running board",
+    "post": "post on a running board",
+    "doctor": "find what is wrong with a running setup, and say what to do",
     "graph": "show who posts and reads what in a mission",
     "vocabulary": "print every kind of entry, with its JSON Schema",
     "why": "explain an entry of a run, down to the readings",

@@ -30,6 +30,7 @@ from blackboard.link.clock import ClockAnswer
 from blackboard.link.envelope import (
     LostQuestion,
     Snapshot,
+    attachment_of,
     join_batch,
     join_snapshot,
     read_origin,
@@ -315,7 +316,7 @@ class Keeper:
         else:
             for desk in self._desks.values():
                 for key, envelope in desk.kept.standing.matching(question.key):
-                    question.reply(key, envelope.payload)
+                    question.reply(key, envelope.payload, attachment_of(envelope.origin))
 
     def _reply_lost(self, question: Question, robot: str) -> None:
         try:

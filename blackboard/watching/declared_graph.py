@@ -30,7 +30,7 @@ def declared_graph(mission: Mission) -> BoardGraph:
         assembly.robot.close()
         if assembly.planner is not None:
             assembly.planner.close()
-    hosts = _hosts(mission) if mission.hosts else {}
+    hosts = hosts_of(mission) if mission.hosts else {}
     return BoardGraph(title=mission.name, members=by_role(replace(m, host=hosts.get(m.name, "")) for m in members))
 
 
@@ -67,7 +67,7 @@ def _reflexes(assembly: Assembly) -> list[Member]:
     return members
 
 
-def _hosts(mission: Mission) -> dict[str, str]:
+def hosts_of(mission: Mission) -> dict[str, str]:
     """Return where each component runs, by its name."""
     found: dict[str, str] = {}
     for plan in placement(mission):

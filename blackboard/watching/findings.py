@@ -104,6 +104,12 @@ def _keeper(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:
             + (f", the last: {example}" if example else ""),
             do="mend or stop who posts it; refused.jsonl in the keeper's folder names every one",
         )
+    for attempt, count in sorted(keeper.rejected.items()):
+        yield Finding(
+            about="rejected writer",
+            what=f"the keeper turned away {_many(count, 'message')} that its sender's role does not allow ({attempt})",
+            do="give the sender keys with the role that it needs: `ski keys`; or find out who tries",
+        )
     if keeper.overflowed:
         yield Finding(
             about="slow reader",
@@ -118,8 +124,8 @@ def _hosts(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:
         if host.state == "dead":
             yield Finding(
                 about="host dead",
-                what=f"{host.called} has died: nobody runs {_listed(host.components) or 'its components'}",
-                do=f"see the end of its log (`ski ps`), then start it again: `ski host MISSION {host.name}`",
+                what=f"{host.called} is gone (killed, frozen or cut off) with {_listed(host.components) or 'all that it ran'}",
+                do=f"if it does not come back, `ski ps` names its log; start it again with `ski host MISSION --name {host.name}`",
             )
         elif host.state == "hung":
             yield Finding(
@@ -170,7 +176,7 @@ def _components(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:
         yield Finding(
             about="no hosts",
             what="the keeper runs, and no host does",
-            do="start a mission: `ski up MISSION`, or its hosts one by one: `ski host MISSION NAME`",
+            do="start a mission: `ski up MISSION`, or its hosts one by one: `ski host MISSION --name NAME`",
         )
     at: dict[tuple[str, str], list[str]] = {}
     for host in facts.hosts:
@@ -184,7 +190,8 @@ def _components(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:
                 what=f"{component} of {robot} runs in {' and '.join(sorted(names))}: each posts over the other",
                 do="stop one of them, or name it in one [hosts] table only",
             )
-    running = {component for _, component in at}
+    told = {component for host in facts.hosts if host.state == "dead" for component in host.components}
+    running = {component for _, component in at} | told
     missing: dict[str, list[str]] = {}
     for component, name in facts.expected.items():
         if component not in running:
@@ -193,7 +200,7 @@ def _components(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:
         yield Finding(
             about="host missing",
             what=f"nobody runs {_listed(tuple(components))}, which host {name} should",
-            do=f"start it: `ski host MISSION {name}`, or all with `ski up MISSION`",
+            do=f"start it: `ski host MISSION --name {name}`, or all with `ski up MISSION`",
         )
 
 

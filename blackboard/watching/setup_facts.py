@@ -16,6 +16,7 @@ class KeeperFacts:
     folder: str = ""
     refused: Mapping[str, int] = field(default_factory=dict)  # posts, by reason
     refused_example: Mapping[str, str] = field(default_factory=dict)
+    rejected: Mapping[str, int] = field(default_factory=dict)  # what members may not do, by what it was
     overflowed: int = 0  # messages dropped because too many waited
 
 
@@ -72,7 +73,6 @@ class SetupFacts:
     version: str  # of the ski that asks
     answers: Answers
     trouble: str = ""  # why the link failed, in the words of those who refused
-    with_keys: bool = False
     keeper: KeeperFacts | None = None
     robots: tuple[RobotFacts, ...] = ()
     hosts: tuple[HostFacts, ...] = ()

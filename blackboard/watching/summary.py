@@ -76,7 +76,7 @@ def summarise_value(raw: bytes | msgspec.Raw) -> str:
     try:
         value = msgspec.json.decode(raw)
         if isinstance(value, dict):
-            text = ", ".join(f"{name} {_shown(item, DEPTH)}" for name, item in value.items())
+            text = ", ".join(f"{name} {_shown(item, DEPTH)}" for name, item in value.items()) or "{}"
         else:
             text = _shown(value, DEPTH)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
@@ -110,7 +110,7 @@ def _shown(item: object, depth: int) -> str:
     if isinstance(item, list):
         return _list(item, depth)
     if isinstance(item, float):
-        return f"{item:.4g}"
+        return f"{item + 0.0:.4g}"  # -0.0 is 0
     if isinstance(item, str):
         return (item if len(item) <= SHOWN_TEXT else f"{item[:SHOWN_TEXT]}... ({len(item)} letters)") or '""'
     if isinstance(item, bool):

@@ -19,16 +19,14 @@ from blackboard.watching.summary import SeenEntry, printable, read_entry
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableParams:
-    """How rates are taken, and what is shown in one row."""
+    """How rates are taken."""
 
     window_s: float = 5.0  # rates are those of the last so many seconds: some 50 entries of a 10 Hz stream
     arrivals: int = 2000  # remembered of one key; of a faster stream the rate is that of the newest so many
-    fold_from: int = 7  # so many members of a collection share a row
 
     def __post_init__(self) -> None:
         require(0.1 <= self.window_s <= 3600.0, "window_s", self.window_s, "[0.1, 3600] seconds")
         require(2 <= self.arrivals <= 1_000_000, "arrivals", self.arrivals, "[2, 1000000]")
-        require(self.fold_from >= 2, "fold_from", self.fold_from, "[2, ...)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,15 +97,15 @@ class Traffic:
         """Return how many entries come in a second, all together."""
         return sum(self._rate_hz(seen, at_s) for seen in self._seen.values())
 
-    def rows(self, at_s: float, *, fold: bool = True) -> list[Row]:
-        """Return a row for each key, in key order; with `fold`, large collections have one together."""
+    def rows(self, at_s: float, *, fold_from: int | None = None) -> list[Row]:
+        """Return a row for each key, in key order; collections of at least `fold_from` members have one together."""
         groups: dict[str, list[tuple[str, _Seen]]] = {}
         for key, seen in self._seen.items():
             collected = seen.kind is not None and seen.kind.collection
             groups.setdefault(key.rsplit("/", 1)[0] + "/*" if collected else key, []).append((key, seen))
         rows = []
         for name, group in groups.items():
-            if fold and len(group) >= self._params.fold_from:
+            if fold_from is not None and len(group) >= fold_from:
                 rows.append(self._row(name, [seen for _, seen in group], at_s))
             else:
                 rows += [self._row(key, [seen], at_s) for key, seen in group]

@@ -9,6 +9,11 @@ from blackboard.watching.summary import size_words
 from blackboard.watching.table import Row
 
 SORTS = ("key", "rate", "age", "size")
+TITLE_LINES = 2
+GAP = 2  # letters between two columns
+TEXTS = {"key": 80, "kind": 18, "source": 20, "host": 18}  # columns, and how many letters they have at most
+NUMBERS = {"rate /s": 7, "age": 6, "size": 7}
+KEY_WISHED, KEY_LEAST = 44, 32  # letters that keys need before hosts and kinds, and before sources, get any
 STALE_S = 2.0  # of a stream that has come before: shown faint from then on
 
 
@@ -41,29 +46,50 @@ def rate_words(rate_hz: float) -> str:
     return f"{rate_hz:.1f}" if rate_hz >= 0.095 else f"{rate_hz:.2f}"
 
 
-def table_of(rows: Sequence[Row], title: str, height: int | None = None) -> Table:
-    """Return the rows as a table of at most `height` lines; what does not fit is counted below."""
+def table_of(rows: Sequence[Row], title: str, width: int, height: int | None = None) -> Table:
+    """Return the rows as a table of at most `width` letters and `height` lines; what does not fit is counted below.
+
+    Where it is narrow, hosts are left out, then kinds: the keys must be told apart.
+    """
+    most = len(rows) if height is None else max(1, height - TITLE_LINES)
+    shown = rows if len(rows) <= most else rows[: most - 1]
+    words = [(_key(row), row.type, row.source, row.host) for row in shown]
+    widths = _widths([max(map(len, column)) for column in zip(*words, strict=True)] if words else [0, 0, 0, 0], width)
     table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold", header_style="bold")
-    table.add_column("key", overflow="ellipsis", no_wrap=True, ratio=None)
-    table.add_column("kind", overflow="ellipsis", no_wrap=True)
-    table.add_column("source", overflow="ellipsis", no_wrap=True)
-    table.add_column("host", overflow="ellipsis", no_wrap=True)
-    table.add_column("rate /s", justify="right", no_wrap=True)
-    table.add_column("age", justify="right", no_wrap=True)
-    table.add_column("size", justify="right", no_wrap=True)
-    most = len(rows) if height is None else max(1, height - 3)
-    for row in rows if len(rows) <= most else rows[: most - 1]:
-        members = f" ({row.members})" if row.members > 1 else ""
+    for name, letters in zip(TEXTS, widths, strict=True):
+        if letters:
+            table.add_column(name, width=letters, no_wrap=True)
+    for name, letters in NUMBERS.items():
+        table.add_column(name, justify="right", width=letters, no_wrap=True)
+    for row, texts in zip(shown, words, strict=True):
         table.add_row(
-            Text(row.key.removeprefix("ski/") + members),
-            Text(row.type),
-            Text(row.source),
-            Text(row.host),
+            *(Text(_cut(text, letters)) for text, letters in zip(texts, widths, strict=True) if letters),
             rate_words(row.rate_hz),
             age_words(row.age_s),
             size_words(row.size_bytes),
             style="dim" if not row.rate_hz and (row.age_s is None or row.age_s > STALE_S) else "",
         )
     if len(rows) > most:
-        table.add_row(Text(f"... and {len(rows) - most + 1} more; a PATTERN shows fewer"), *[""] * 6, style="dim")
+        table.add_row(Text(_cut(f"... {len(rows) - most + 1} more", widths[0])), style="dim")
     return table
+
+
+def _widths(longest: Sequence[int], width: int) -> list[int]:
+    """Return how wide the columns of text may be, 0 for one that is left out."""
+    numbers = sum(NUMBERS.values()) + GAP * len(NUMBERS)
+    wanted = [max(len(name), min(most, n)) for (name, most), n in zip(TEXTS.items(), longest, strict=True)]
+    for dropped, least in (((), KEY_WISHED), ((3,), KEY_WISHED), ((1, 3), KEY_LEAST), ((1, 2, 3), 1)):
+        widths = [0 if i in dropped else n for i, n in enumerate(wanted)]
+        left = width - numbers - sum(n + GAP for n in widths[1:] if n)
+        if left >= min(widths[0], least):
+            break
+    widths[0] = max(1, min(widths[0], left))
+    return widths
+
+
+def _key(row: Row) -> str:
+    return row.key.removeprefix("ski/") + (f" ({row.members})" if row.members > 1 else "")
+
+
+def _cut(text: str, letters: int) -> str:
+    return text if len(text) <= letters else f"{text[: letters - 1]}…"

@@ -91,7 +91,10 @@ def test_what_the_keeper_says_of_itself() -> None:
 
 def test_hosts_that_do_not_fare_well() -> None:
     found = the_one(with_host(state="dead"))
-    assert (found.about, found.what) == ("host dead", "host sources on there has died: nobody runs eou_grid")
+    assert (found.about, found.what) == (
+        "host dead",
+        "host sources on there is gone (killed, frozen or cut off) with eou_grid",
+    )
     assert the_one(with_host(state="hung")).about == "host hung"
     assert findings(with_host(state="stopped")) == []
     found = the_one(with_host(missed=2))
@@ -124,6 +127,8 @@ def test_who_runs_what() -> None:
     assert [found.about for found in findings(replace(SOUND, hosts=(ROBOT, dead)))] == ["host dead"]
     found = the_one(replace(SOUND, expected={"rules": "rules", "look": "rules", "eou_grid": "sources"}))
     assert (found.about, found.what) == ("host missing", "nobody runs rules, look, which host rules should")
+    gone = replace(SOUND, expected={"eou_grid": "sources"}, hosts=(ROBOT, replace(SOURCES, state="dead")))
+    assert the_one(gone).about == "host dead"  # and not told twice
     assert [f.about for f in findings(replace(SOUND, hosts=()))] == ["no hosts"]
 
 

@@ -54,6 +54,8 @@ def test_a_scan_a_grid_tile_and_a_retraction(tmp_path: Path) -> None:
     [
         ({"a": 1, "b": [1.5, None], "c": {"d": True, "e": ""}}, 'a 1, b [1.5 -], c (d yes, e "")'),
         ([1, 2, 3], "[1 2 3]"),
+        ({}, "{}"),
+        (-0.0, "0"),
         ([], "[]"),
         ([None] * 5, "5 numbers (5 missing)"),
         (["a"] * 5, "5 items"),

@@ -59,16 +59,16 @@ def test_what_stood_before_has_an_age_and_no_rate_and_never_hides_what_came() ->
 
 
 def test_large_collections_share_a_row_until_they_are_small_again() -> None:
-    seen = traffic(fold_from=3)
+    seen = traffic()
     for i, source in enumerate(["a", "a", "b"]):
         seen.came(f"{TARGET}/{i}", payload(TARGET, float(i), source), b"h b knowledge 1", 101.0)
-    (row,) = seen.rows(102.0)
+    (row,) = seen.rows(102.0, fold_from=3)
     assert (row.key, row.members, row.source, row.host) == (f"{TARGET}/*", 3, "2 of them", "h")
     assert row.rate_hz == pytest.approx(1.5)
     assert row.age_s == pytest.approx(1.0)
-    assert len(seen.rows(102.0, fold=False)) == 3
+    assert len(seen.rows(102.0)) == len(seen.rows(102.0, fold_from=4)) == 3
     seen.came(f"{TARGET}/1", payload(TARGET, 2.0, "a", "retracted"), b"", 102.0)
-    assert [row.key for row in seen.rows(102.0)] == [f"{TARGET}/0", f"{TARGET}/2"]
+    assert [row.key for row in seen.rows(102.0, fold_from=3)] == [f"{TARGET}/0", f"{TARGET}/2"]
 
 
 def test_what_is_no_entry_is_shown_too() -> None:
@@ -118,20 +118,37 @@ def test_numbers_for_people() -> None:
 def text_of(rows: list[Row], height: int | None, width: int = 100) -> list[str]:
     console = Console(width=width, force_terminal=False, no_color=True)
     with console.capture() as capture:
-        console.print(table_of(rows, "title", height))
+        console.print(table_of(rows, "title", width, height))
     return [line.rstrip() for line in capture.get().splitlines()]
 
 
 def test_the_table_keeps_to_its_height_and_counts_the_rest() -> None:
     rows = [row(f"ski/k2a/[bold]{i}", 1.0, 0.5, 1500, members=i + 1) for i in range(20)]
     lines = text_of(rows, 10)
-    assert len(lines) <= 10
+    assert len(lines) == 10
     assert lines[0] == "title"
     assert lines[1].split() == ["key", "kind", "source", "host", "rate", "/s", "age", "size"]
     assert lines[2].split() == ["k2a/[bold]0", "T", "s", "h", "1.0", "0.5", "s", "1.5", "kB"]
     assert lines[3].startswith("k2a/[bold]1 (2) ")
-    assert lines[-1].startswith("... and 14 more")
+    assert lines[-1].startswith("... 13 more")
     assert len(text_of(rows, None)) == 22
+
+
+@pytest.mark.parametrize("width", [20, 40, 60, 80, 100, 160])
+def test_no_line_is_wider_than_the_terminal_and_keys_come_first(width: int) -> None:
+    long = Row(
+        key="ski/k2a/hypotheses/symbol/target/frontier-12", type="MissionStatus", source="frontier_targets",
+        host="knowledge_sources", rate_hz=1.0, age_s=3.0, size_bytes=12_345,
+    )  # fmt: skip
+    lines = text_of([long], None, width)
+    assert max(map(len, lines)) <= width
+    assert len(lines) == 3
+    whole = "k2a/hypotheses/symbol/target/frontier-12"
+    assert (whole in lines[2]) == (width >= 100)
+    assert ("host" in lines[1], "kind" in lines[1], "source" in lines[1]) == {
+        20: (False, False, False), 40: (False, False, False), 60: (False, False, False), 80: (False, False, True),
+        100: (False, True, True), 160: (True, True, True),
+    }[width]  # fmt: skip
 
 
 def test_patterns() -> None:

@@ -1,0 +1,178 @@
+"""Gathers what `ski doctor` judges: tries the address, asks the keeper, listens for a while."""
+
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from importlib.metadata import version
+from typing import Any
+
+import msgspec
+
+from blackboard.entry import Entry
+from blackboard.errors import BoardError, LinkError, MessageError
+from blackboard.keeper.status import BoardStatus, KeeperStatus
+from blackboard.kinds import ACTIVATION, COMPONENT, HOST, LEVELLED_PANELS, MISSION
+from blackboard.link.address import parse_address
+from blackboard.link.addresses import KEEPER_STATUS
+from blackboard.link.envelope import read_entry, read_payload
+from blackboard.link.session import LinkParams, Session, open_session
+from blackboard.messages.hosts import HostBeat
+from blackboard.vocabulary import Vocabulary
+from blackboard.watching.listening import Listener
+from blackboard.watching.probe import connects, tls_trouble
+from blackboard.watching.setup_facts import HostFacts, KeeperFacts, RobotFacts, SetupFacts, StreamFacts
+
+READINGS = "observations/signal"
+ASKED = ("status/**", f"{ACTIVATION.path}/*", f"{READINGS}/**")
+VERSION = version("sensory-knowledge-integrator")
+
+
+def gather(params: LinkParams, listen_s: float, expected: Mapping[str, str]) -> SetupFacts:
+    """Return what can be found out; listening takes `listen_s`. Raises LinkError where the address is none."""
+    address = parse_address(params.address)
+    facts = SetupFacts(address=params.address, version=VERSION, answers="nobody", expected=expected)
+    trouble = connects(address)
+    if trouble:
+        return replace(facts, trouble=trouble)
+    try:
+        session = open_session(params)
+    except LinkError as error:
+        refused = tls_trouble(address, params.keys)
+        if refused is None:
+            return replace(facts, answers="something else")
+        if params.keys is None:
+            return replace(facts, answers="certificates")
+        return replace(facts, answers="refused", trouble=refused or str(error))
+    with session:
+        return _asked(session, facts, listen_s)
+
+
+def _asked(session: Session, facts: SetupFacts, listen_s: float) -> SetupFacts:
+    if _status(session) is None:
+        return replace(facts, answers="a router")
+    came = Listener(session, "ski/**")
+    beating = Listener(session, "ski/*/@hosts/*/beat")
+    counts = Counter(_path(a.key) for a in came.until(time.monotonic() + listen_s) if a is not None)
+    beats = [beat for a in beating.take(0.1) if (beat := _beat(a.key, a.payload)) is not None]
+    status = _status(session)
+    if status is None:
+        return replace(facts, answers="a router", trouble="the keeper answered, and then no more")
+    entries = _standing(session)
+    hosts = [host for board in status.boards for host in _hosts(board, entries, beats)]
+    return replace(
+        facts,
+        answers="a keeper",
+        keeper=_keeper(status),
+        robots=tuple(_robot(board, entries, counts) for board in status.boards),
+        hosts=tuple(sorted(hosts, key=lambda host: (host.robot, host.name))),
+    )
+
+
+def _status(session: Session) -> KeeperStatus | None:
+    for answer in session.ask(KEEPER_STATUS):
+        if not answer.error:
+            try:
+                return msgspec.json.decode(answer.payload, type=KeeperStatus)
+            except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+                return None
+    return None
+
+
+def _standing(session: Session) -> list[tuple[str, str, Entry[Any]]]:
+    """Return robot, kind's path and entry of what is asked for; kinds that this vocabulary lacks are passed over."""
+    vocabulary = Vocabulary()
+    found = []
+    for pattern in ASKED:
+        for answer in session.ask(f"ski/*/{pattern}"):
+            try:
+                kind, entry = read_entry(vocabulary, read_payload(answer.key, answer.payload))
+            except (BoardError, MessageError):
+                continue
+            found.append((vocabulary.parse_key(answer.key)[0], kind.path, entry))
+    return found
+
+
+def _keeper(status: KeeperStatus) -> KeeperFacts:
+    refused: Counter[str] = Counter(status.refused)
+    examples: dict[str, str] = {}
+    for board in status.boards:
+        refused.update(board.refused)
+        examples |= board.refusals
+    return KeeperFacts(
+        version=status.version,
+        folder=status.folder,
+        journal_trouble=next((board.trouble for board in status.boards if board.trouble), ""),
+        refused=refused,
+        refused_example=examples,
+        rejected=status.rejected,
+        overflowed=status.overflowed,
+    )
+
+
+def _robot(board: BoardStatus, entries: Iterable[tuple[str, str, Entry[Any]]], counts: Counter[str]) -> RobotFacts:
+    ours = [(path, entry) for robot, path, entry in entries if robot == board.robot]
+    return RobotFacts(
+        name=board.robot,
+        clock_s=board.now_s,
+        mission=next((entry.value.state for path, entry in ours if path == MISSION.path), ""),
+        readings=tuple(
+            StreamFacts(name=path, count=entry.revision, stamp_s=entry.stamp_s)
+            for path, entry in ours
+            if path.startswith(READINGS)
+        ),
+        activations=tuple(
+            StreamFacts(
+                name=str(entry.id),
+                count=entry.revision,
+                stamp_s=entry.stamp_s,
+                woken_by=_path(entry.value.trigger_key).partition("/")[2],
+                wakers_came=counts[_path(entry.value.trigger_key)],
+            )
+            for path, entry in ours
+            if path == ACTIVATION.path
+        ),
+        failed={
+            str(entry.id): entry.value.error
+            for path, entry in ours
+            if path == COMPONENT.path and entry.value.state == "failed"
+        },
+    )
+
+
+def _hosts(
+    board: BoardStatus, entries: Iterable[tuple[str, str, Entry[Any]]], beats: Iterable[tuple[str, str, HostBeat]]
+) -> Iterator[HostFacts]:
+    for robot, path, entry in entries:
+        if robot != board.robot or path != HOST.path:
+            continue
+        told, name = entry.value, str(entry.id)
+        heard = {beat.boot: beat for r, host, beat in beats if (r, host) == (robot, name) and not beat.leaving}
+        yield HostFacts(
+            robot=robot,
+            name=name,
+            state=told.state,
+            version=told.version,
+            machine=told.machine,
+            components=told.components,
+            offset_s=told.offset_s,
+            round_trip_s=told.round_trip_s,
+            missed=sum(beat.missed for beat in heard.values()),
+            boots=max(1, len(heard)),
+            lacking=sum(lane.missing for lane in board.lanes if lane.host == name),
+        )
+
+
+def _beat(key: str, payload: bytes) -> tuple[str, str, HostBeat] | None:
+    """Return robot, host and beat."""
+    chunks = key.split("/")
+    try:
+        return chunks[1], chunks[3], msgspec.json.decode(payload, type=HostBeat)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError, IndexError):
+        return None
+
+
+def _path(key: str) -> str:
+    """Return robot and kind's path of a key: without `ski/` and, of a member, without its id."""
+    chunks = key.split("/")
+    return "/".join(chunks[1 : 5 if len(chunks) > 2 and chunks[2] in LEVELLED_PANELS else 4])
