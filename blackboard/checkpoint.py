@@ -30,7 +30,8 @@ MAX_BYTES = 256_000_000  # a whole building's state is some megabytes
 MAX_HEADER_BYTES = 1_000_000
 SHARED_PACKAGES = ("blackboard", "knowledge_sources", "behaviours", "rules", "sim")
 PLAIN = {  # what else a state may be made of
-    "builtins": {"set", "frozenset", "bytearray", "complex", "range", "slice", "object"},
+    "builtins": {"set", "frozenset", "bytearray", "complex", "range", "slice", "object"}
+    | {"bool", "int", "float", "str", "bytes", "tuple", "list", "dict"},
     "collections": {"deque", "OrderedDict", "defaultdict", "Counter"},
     "copyreg": {"_reconstructor", "__newobj__"},
     "msgspec._utils": {"rebuild"},
