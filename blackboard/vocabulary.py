@@ -31,6 +31,12 @@ def core_kinds() -> list[Kind[Any]]:
     return sorted((k for k in vars(declared).values() if isinstance(k, Kind)), key=lambda kind: kind.path)
 
 
+def has_own_kinds(kinds: "Vocabulary") -> bool:
+    """Say whether a mission's components bring kinds of their own."""
+    core = {kind.path for kind in core_kinds()}
+    return any(kind.path not in core for kind in kinds)
+
+
 class Vocabulary:
     """The kinds of one mission, by path. Raises BoardError where two different kinds claim one path."""
 

@@ -23,7 +23,7 @@ from blackboard.report.table import show_table, table_json
 from blackboard.runner import Progress, Run, RunOptions
 
 
-def add_run_options(parser: argparse.ArgumentParser) -> None:
+def add_run_options(parser: argparse.ArgumentParser, *, strict: bool = True) -> None:
     """Declare the arguments of a verb that runs something. `SKI_OUT` and `SKI_DURATION` are defaults."""
     parser.add_argument(
         "--duration",
@@ -40,7 +40,8 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         help="output folder (default: a new one in runs/)",
     )
     parser.add_argument("--force", action="store_true", help="replace what an earlier run left in the output folder")
-    parser.add_argument("--strict", action="store_true", help="stop at the first component that raises")
+    if strict:
+        parser.add_argument("--strict", action="store_true", help="stop at the first component that raises")
     parser.add_argument("--gif", action="store_true", help="also write map.gif: the map growing, as a moving picture")
     parser.add_argument("--json", action="store_true", help="print the table at the end as JSON")
 

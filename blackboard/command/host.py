@@ -3,12 +3,11 @@
 import argparse
 import signal
 import sys
-import threading
-from collections.abc import Callable
 from pathlib import Path
 
 from blackboard.command.connection import add_connection_options, link_params
 from blackboard.command.mission_options import add_mission_options, load
+from blackboard.processes.leashed import end_with_holder
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,12 +42,6 @@ def call(options: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, lambda *_: host.stop())
     signal.signal(signal.SIGINT, lambda *_: host.stop())
     if options.leashed:
-        threading.Thread(target=_until_end_of_input, args=(host.stop,), daemon=True).start()
+        end_with_holder()
     host.run()
     return 0
-
-
-def _until_end_of_input(stop: Callable[[], None]) -> None:
-    while sys.stdin.buffer.read(4096):
-        pass
-    stop()

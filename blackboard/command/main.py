@@ -24,6 +24,9 @@ VERBS = {
     "board": "keep the board for all processes of a mission, and see how it stands",
     "rules": "check rule files, and see what rules can look at",
     "host": "run one process of a mission, on the board that a keeper keeps",
+    "up": "run a mission as processes, here and on other machines",
+    "down": "end what was started on this machine, whatever state it is in",
+    "ps": "show the processes of what is up: machine, state, restarts, heartbeat, what is missing",
     "agent": "run parts of missions on this machine for a manager (ski up) here or elsewhere",
     "new": "write a new component to start from",
 }

@@ -35,14 +35,16 @@ def add_mission_options(parser: argparse.ArgumentParser, *, mission: bool = True
 def load(options: argparse.Namespace, robot: dict[str, Any] | None = None) -> Mission:
     """Load the mission that the options choose; `robot` holds more parameters for the robot's table."""
     settings = parse_settings(options.set)
-    over = dict(robot or {})
-    for name in ("world", "robot"):
-        value = getattr(options, name, None)
-        if value is not None:
-            over[name] = _file(value)
+    over = {**(robot or {}), **robot_settings(options)}
     if over:
         settings["robot"] = {**settings.get("robot", {}), **over}
     return load_mission(find_mission(options.mission), settings)
+
+
+def robot_settings(options: argparse.Namespace) -> dict[str, str]:
+    """Return what --world and --robot lay over the robot's table."""
+    given = {name: getattr(options, name, None) for name in ("world", "robot")}
+    return {name: _file(value) for name, value in given.items() if value is not None}
 
 
 def _file(name: str) -> str:

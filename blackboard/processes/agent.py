@@ -38,7 +38,7 @@ from blackboard.processes.state_folder import AGENT, MANAGER, Record, StateFolde
 
 TICK_S = 0.1
 REPORT_S = 1.0
-Plans = Callable[[HostOrder], ProcessPlan]
+Plans = Callable[[HostOrder, Path], ProcessPlan]  # the folder is for what must outlive a kill of the host
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ class Agent:
         self.boot = f"{os.getpid()}-{time.time_ns():x}"
         self._events: queue.SimpleQueue[object] = queue.SimpleQueue()
         self._executor = Executor(params.machine, params.state.logs, self._events.put)
-        self._plans = plans or (lambda order: host_plan(order, params.link, params.state.path))
+        self._plans = plans or (lambda order, state: host_plan(order, params.link, params.machine, state))
         self._leash = Leash()
         self._session: Session | None = None
         self._ending = False
@@ -188,7 +188,8 @@ class Agent:
         held_by = self._leash.manager
         if held_by not in ("", order.manager) and self._leash.silent_s < 2.0:
             raise LinkError(f"{self._params.machine} is held by another manager; end its mission with `ski down`")
-        plans = [self._plans(host) for host in order.hosts]
+        states = self._params.state.hosts_of(order.manager)
+        plans = [self._plans(host, states / host.name) for host in order.hosts]
         self._why = ""
         self._keeper_goes = False
         self._leash = Leash(manager=order.manager, keeper_silent_s=self._leash.keeper_silent_s)
@@ -198,13 +199,14 @@ class Agent:
         now_s = time.monotonic()
         self._mission = order.hosts[0].mission if order.hosts else ""
         if order.keeper_folder is not None:
-            plan = keeper_plan(self._params.link, Path(order.keeper_folder))
+            plan = keeper_plan(self._params.link, Path(order.keeper_folder), order.keeper_mission)
             self._executor.start(plan, now_s)
             plans.append(plan)
         names = {plan.name for plan in plans}
         self._executor.stop([name for name in self._executor.names if name not in names | {KEEPER}], now_s)
         for plan in plans:
             self._executor.start(plan, now_s)
+        self._write_down()
         self._changed = True
 
     def _let_go(self, why: str) -> None:

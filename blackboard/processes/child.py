@@ -1,7 +1,7 @@
 """One child process: started with a leash, waited for in a thread of its own, so that its end is known at once.
 
-The leash is a pipe to the child's standard input, which nothing is ever written to. It closes when this process ends, however it
-ends, and a leashed child goes down then. Both outputs go to a log file.
+The leash is a pipe to the child's standard input, which closes when this process ends, however it ends, and a leashed child goes
+down then. Both outputs go to a log file.
 """
 
 import contextlib
@@ -51,6 +51,14 @@ class Child:
         self._ended = ended
         self._thread = threading.Thread(target=self._wait, name=f"wait for {name}", daemon=True)
         self._thread.start()
+
+    def say(self, line: bytes) -> None:
+        """Write a line to its standard input; one that has ended does not hear it."""
+        stdin = self._process.stdin
+        if stdin is not None:
+            with contextlib.suppress(OSError, ValueError):
+                stdin.write(line + b"\n")
+                stdin.flush()
 
     def terminate(self) -> None:
         """Ask it to end."""

@@ -10,10 +10,11 @@ from blackboard.processes.protocol import KEEPER, HostOrder
 SKI = (sys.executable, "-m", "blackboard.command.main")
 
 
-def host_plan(order: HostOrder, link: LinkParams, state: Path) -> ProcessPlan:
-    """Return how the host of an order is run."""
+def host_plan(order: HostOrder, link: LinkParams, machine: str, state: Path) -> ProcessPlan:
+    """Return how the host of an order is run; `state` is the folder for what must outlive a kill of it."""
     command = [*SKI, "host", order.mission, "--name", order.name, *_link(link)]
-    command += ["--seed", str(order.seed), "--pace", repr(order.pace), "--state", str(state / "hosts" / order.name)]
+    command += ["--seed", str(order.seed), "--pace", repr(order.pace), "--state", str(state)]
+    command += ["--machine", machine]
     for setting in order.settings:
         command += ["--set", setting]
     return ProcessPlan(
@@ -28,9 +29,14 @@ def host_plan(order: HostOrder, link: LinkParams, state: Path) -> ProcessPlan:
     )
 
 
-def keeper_plan(link: LinkParams, folder: Path) -> ProcessPlan:
+def agent_command(link: LinkParams, machine: str) -> tuple[str, ...]:
+    """Return how an executor is run that takes its first orders on standard input and goes with its manager."""
+    return (*SKI, "agent", "--name", machine, *_link(link), "--passing")
+
+
+def keeper_plan(link: LinkParams, folder: Path, mission: str = "") -> ProcessPlan:
     """Return how the keeper is run: always there, since everything goes through it."""
-    command = (*SKI, "board", "serve", *_link(link), "--folder", str(folder), "--leashed")
+    command = (*SKI, "board", "serve", *([mission] if mission else []), *_link(link), "--out", str(folder), "--leashed")
     return ProcessPlan(name=KEEPER, command=command, restart="always", restarts=100, stop_s=10.0)
 
 

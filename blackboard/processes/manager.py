@@ -42,6 +42,18 @@ class MissionOrders:
     robot: str
     machine: str  # the manager's own
     hosts: Mapping[str, tuple[HostOrder, ...]]
+    keeper_folder: str | None = None  # where the manager's own executor runs the keeper too
+    keeper_mission: str = ""
+
+    def of(self, machine: str, manager: str) -> Order:
+        """Return the order for one machine."""
+        own = machine == self.machine
+        return Order(
+            manager=manager,
+            hosts=self.hosts[machine],
+            keeper_folder=self.keeper_folder if own else None,
+            keeper_mission=self.keeper_mission if own else "",
+        )
 
 
 def orders_of(
@@ -53,6 +65,8 @@ def orders_of(
     seed: int,
     pace: float,
     settings: Sequence[str],
+    keeper_folder: str | None = None,
+    keeper_mission: str = "",
 ) -> MissionOrders:
     """Return what each machine is to run; hosts that name no machine run on the manager's."""
     hosts: dict[str, tuple[HostOrder, ...]] = {machine: ()}
@@ -72,7 +86,14 @@ def orders_of(
             stop_s=plan.params.stop_s,
         )
         hosts[on] = (*hosts.get(on, ()), order)
-    return MissionOrders(mission=mission, robot=robot, machine=machine, hosts=hosts)
+    return MissionOrders(
+        mission=mission,
+        robot=robot,
+        machine=machine,
+        hosts=hosts,
+        keeper_folder=keeper_folder,
+        keeper_mission=keeper_mission,
+    )
 
 
 class Manager:
@@ -86,12 +107,10 @@ class Manager:
         later: Later,
         *,
         name: str = "",
-        keeper_folder: str | None = None,
     ) -> None:
         self.name = name or f"{os.getpid()}-{time.time_ns():x}"
         self._session = session
         self._orders = orders
-        self._keeper_folder = keeper_folder
         self._board = board
         self._later = later
         self.agents: dict[str, AgentReport] = {}
@@ -156,9 +175,7 @@ class Manager:
         if report.manager == self.name:
             self.refusals.pop(report.machine, None)
         if not self._ending and self._differs(report):
-            hosts = self._orders.hosts[report.machine]
-            folder = self._keeper_folder if report.machine == self._orders.machine else None
-            self._order(report.machine, Order(manager=self.name, hosts=hosts, keeper_folder=folder))
+            self._order(report.machine, self._orders.of(report.machine, self.name))
         told = {process.name: _status(process) for process in report.processes}
         for host in self._orders.hosts[report.machine]:
             if host.name in told:

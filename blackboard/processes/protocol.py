@@ -40,11 +40,14 @@ class HostOrder(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Order(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """All that an executor is to run for one manager; an empty one lets it go. `keeper_folder`: it runs the board keeper too."""
+    """All that an executor is to run for one manager; an empty one lets it go. `keeper_folder`: it runs the board keeper too,
+    with the kinds of `keeper_mission` where those of every mission are not enough.
+    """
 
     manager: Name
     hosts: Annotated[tuple[HostOrder, ...], Meta(max_length=1000)] = ()
     keeper_folder: str | None = None
+    keeper_mission: str = ""
 
 
 class ProcessReport(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

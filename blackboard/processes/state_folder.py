@@ -1,7 +1,7 @@
 """What stands on disk about the processes of one address: who they are, so that `ski down` finds them with everybody else dead.
 
-`<state>/<port>/processes/<name>.json`: number and start of each process; `logs/<name>.log`: what it wrote; `board/`: the keeper's
-journal where a mission was started without --out.
+`<state>/<address>/processes/<name>.json`: number and start of each process; `logs/<name>.log`: what it wrote;
+`hosts/<manager>/<name>/`: outboxes and checkpoints of the hosts.
 """
 
 import contextlib
@@ -78,6 +78,14 @@ class StateFolder:
     def record(self, name: str) -> Record | None:
         """Return one process that still runs."""
         return next((record for record in self.records() if record.name == name), None)
+
+    def hosts_of(self, manager: str) -> Path:
+        """Return the folder of what must outlive a kill of one manager's hosts; that of earlier managers is no use any more."""
+        own = self.path / "hosts" / manager
+        for folder in self.path.glob("hosts/*"):
+            if folder != own:
+                shutil.rmtree(folder, ignore_errors=True)
+        return own
 
     def clear(self) -> None:
         """Strike everything out; logs stay."""

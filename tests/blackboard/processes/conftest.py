@@ -22,7 +22,7 @@ LONG_S = 20.0
 WAITS = "import sys; sys.stdin.read()"
 
 
-def waiting_host(order: HostOrder) -> ProcessPlan:
+def waiting_host(order: HostOrder, state: Path) -> ProcessPlan:
     return ProcessPlan(
         name=order.name,
         robot=order.robot,

@@ -43,6 +43,14 @@ def test_dropped_and_cleared(tmp_path: Path) -> None:
     assert addresses_in_use(tmp_path) == []
 
 
+def test_the_state_of_hosts_is_each_managers_own(tmp_path: Path) -> None:
+    state = StateFolder(ADDRESS, tmp_path)
+    (state.hosts_of("first") / "map").mkdir(parents=True)
+    assert (state.hosts_of("first") / "map").is_dir()
+    assert state.hosts_of("second") == state.path / "hosts" / "second"
+    assert not (state.path / "hosts" / "first").exists()
+
+
 def test_a_bad_file_is_passed_over(tmp_path: Path) -> None:
     state = StateFolder(ADDRESS, tmp_path)
     state.write(Record(name="rules", who=me()))

@@ -1,0 +1,114 @@
+"""Oversees a mission whose parts run as processes, from its first order to its last: `ski up` without its face.
+
+One loop, on a replica of the board: it keeps the manager's promises to the executors, and takes note of what people want to know.
+"""
+
+import contextlib
+import os
+import platform
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from queue import Empty
+
+from blackboard.assembly import Assembly
+from blackboard.entry import Entry
+from blackboard.kinds import DRIVE, MISSION
+from blackboard.link.lanes import Lane
+from blackboard.link.replica import Replica
+from blackboard.link.session import LinkParams, Session, open_session
+from blackboard.messages.motion import Drive
+from blackboard.processes.ground import keeper_status
+from blackboard.processes.local_agent import LocalAgent
+from blackboard.processes.manager import Manager, MissionOrders
+
+BEAT_S = 0.2
+END_S = 40.0  # for every executor to stop what it runs
+LANES: tuple[Lane, ...] = ("command", "knowledge", "control")  # readings and maps are not looked at here
+
+
+class Overseer:
+    """A mission under way. Use `running` around it; `step` goes once round the loop."""
+
+    def __init__(self, link: LinkParams, assembly: Assembly, orders: MissionOrders, name: str, version: str) -> None:
+        self.link = link
+        self.assembly = assembly
+        self.orders = orders
+        self.name = name
+        self.began_s = time.monotonic()
+        self.moved_s: float | None = None  # monotonic, when the robot was first driven
+        self.local: LocalAgent | None = None
+        self.journal: Path | None = None  # of a keeper that was there before, where it is on this machine
+        self._version = version
+        self._beaten_s = float("-inf")
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator[None]:
+        """Join the board and order everything; at the end everything is stopped."""
+        robot = self.assembly.robot.description.name
+        with open_session(self.link) as session:
+            replica = Replica(session, self.assembly.vocabulary, robot, "manager", lanes=LANES)
+            try:
+                self._join(session, replica)
+                yield
+            finally:
+                try:
+                    self._end()
+                finally:
+                    replica.close()
+
+    def step(self, wait_s: float = 0.1) -> None:
+        """Wait for something to happen, at most so long, and do what is due. Raises LinkError where the agent cannot run."""
+        now_s = time.monotonic()
+        if now_s - self._beaten_s >= BEAT_S:
+            self._beaten_s = now_s
+            self.replica.beat(("manager",), self.orders.machine, self._version)
+            self.replica.tend()
+            if self.local is not None and not self._ending:
+                self.local.tend(now_s)
+        self.manager.tend()
+        with contextlib.suppress(Empty):
+            item = self.replica.queue.get(timeout=wait_s)
+            while True:
+                self.replica.handle(item)
+                item = self.replica.queue.get_nowait()
+        self.replica.board.now_s = max(self.replica.board.now_s, self.replica.now_s())
+
+    @property
+    def elapsed_s(self) -> float:
+        """How long the mission has been going on, on its own clock; 0 before its robot has begun it."""
+        return self.replica.now_s() - self.assembly.robot.start_s if self.replica.clock.running else 0.0
+
+    @property
+    def over(self) -> bool:
+        """Say whether the mission has come to its end by its own word."""
+        status = self.replica.board.newest(MISSION)
+        return status is not None and status.value.state != "underway"
+
+    def _join(self, session: Session, replica: Replica) -> None:
+        self.replica = replica
+        self._session = session
+        self._ending = False
+        replica.board.subscribe(replica.board.key(DRIVE), self._note_drive)
+        replica.join()
+        self.manager = Manager(session, self.orders, replica.board, replica.queue.put, name=self.name)
+
+    def _end(self) -> None:
+        self._ending = True
+        self.manager.end()
+        until_s = time.monotonic() + END_S
+        while not self.manager.ended and time.monotonic() < until_s:
+            self.step()
+        if self.orders.keeper_folder is None:
+            status = keeper_status(self._session, self.link.address)
+            if status.machine == platform.node():
+                self.journal = next((Path(b.journal) for b in status.boards if b.robot == self.orders.robot), None)
+
+    def _note_drive(self, entry: Entry[Drive]) -> None:
+        if self.moved_s is None and (entry.value.forward_mps or entry.value.turn_radps):
+            self.moved_s = time.monotonic()
+
+
+def manager_name() -> str:
+    """Return a name for a manager that no other has."""
+    return f"{os.getpid()}-{time.time_ns():x}"
