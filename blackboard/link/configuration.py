@@ -20,7 +20,7 @@ CONNECT_MS = 3000  # so long a client tries before it gives up at its start; onc
 WAIT_BEFORE_CLOSE_US = (
     200_000  # a reader that takes nothing for so long is cut off: it may come back, others never wait for it
 )
-WAIT_BEFORE_DROP_US = 1000
+WAIT_BEFORE_DROP_US = 50_000  # a burst waits for its turn; what does not get it in time is dropped, and repaired later
 MAX_PAYLOAD_BYTES = 40_000_000  # an entry of MAX_MESSAGE_BYTES with its supports and endorsements
 MAX_ANSWER_BYTES = 400_000_000  # what a client takes: the whole board in one answer
 BOARD_KEYS = (

@@ -27,7 +27,7 @@ class Quality:
 QUALITY: dict[Lane, Quality] = {
     "command": Quality("REAL_TIME", express=True, repaired=False),
     "signal": Quality("INTERACTIVE_HIGH", express=True, repaired=True),
-    "knowledge": Quality("DATA_HIGH", express=True, repaired=True),
+    "knowledge": Quality("DATA_HIGH", express=False, repaired=True),  # comes in bursts, which fit into batches only
     "large": Quality("DATA_LOW", express=False, repaired=True),
     "control": Quality("DATA", express=False, repaired=True),
 }
