@@ -110,6 +110,11 @@ BENCHMARKS = (
         ("exploring.py", "--world", "random", "--seeds", "10"),
     ),
     (
+        "Two robots in one lab",
+        "Each explores for itself, and is an obstacle that moves for the other.",
+        ("two_robots.py",),
+    ),
+    (
         "Finding drums",
         "Eight drums in the warehouse, with and without knowing that they usually stand in corners.",
         ("finding.py", "--duration", "1500"),

@@ -40,6 +40,11 @@ class Team:
             run.cycle()
 
     @property
+    def time_s(self) -> float:
+        """The mission's clock, the same for all."""
+        return next(iter(self.runs.values())).board.now_s
+
+    @property
     def over(self) -> bool:
         """Say whether all have come to their end by their own word. Until then those at their end stay in the world."""
         return all(run.over for run in self.runs.values())
