@@ -16,7 +16,7 @@ from blackboard.errors import BoardError
 from blackboard.history import History, HistoryParams
 from blackboard.key_expressions import check_expression, is_chunk, matches
 from blackboard.kinds import Kind
-from blackboard.link.merge import NEVER, life_of, merged
+from blackboard.link.merge import life_of, merged, retracted_s
 from blackboard.messages.base import Message
 from blackboard.uncertainty.endorsements import standing as still_standing
 from blackboard.vocabulary import Vocabulary, checked
@@ -249,13 +249,13 @@ class Board:
         kind, member = self.vocabulary.parse_key(key)[1:]
         standing, gone = self._standing.get(key), self._gone.get(key)
         known = standing if standing is not None else gone
-        life_s = life_of(gone.stamp_s if gone is not None else NEVER, come)
-        entry = merged(known, come, life_s)
+        entry = merged(known, come, life_of(retracted_s(gone), come))
         if come.event == "retracted":
-            self._note_gone(come if gone is None else merged(gone, come))
+            self._note_gone(merged(gone, come))
         if entry is known:
             return None
         if entry.event == "retracted":
+            self._note_gone(entry)
             if standing is None:
                 return None
             self._remove(kind, key, member)

@@ -24,6 +24,7 @@ M = TypeVar("M", bound=Message)
 _ENCODER = msgspec.json.Encoder()
 _PATH = re.compile(r"\.(\w+)|\[(\d+)\]")
 MAX_MESSAGE_BYTES = 32_000_000
+MAX_PARSED = 20_000  # keys remembered
 
 
 def core_kinds() -> list[Kind[Any]]:
@@ -42,6 +43,7 @@ class Vocabulary:
 
     def __init__(self, kinds: Iterable[Kind[Any]] = ()) -> None:
         self._kinds: dict[str, Kind[Any]] = {}
+        self._parsed: dict[str, tuple[str, Kind[Any], str | None]] = {}  # keys come again and again
         for kind in [*core_kinds(), *kinds]:
             standing = self._kinds.setdefault(kind.path, kind)
             if standing.type is not kind.type or standing.collection != kind.collection:
@@ -62,13 +64,19 @@ class Vocabulary:
 
     def parse_key(self, key: str) -> tuple[str, Kind[Any], str | None]:
         """Split `ski/<robot>/<path>[/<id>]` into robot, kind and id; raise BoardError for any other key."""
+        parsed = self._parsed.get(key)
+        if parsed is not None:
+            return parsed
         chunks = key.split("/")
         if len(chunks) < 4 or chunks[0] != "ski" or not all(is_chunk(chunk) for chunk in chunks):
             raise BoardError(f"key '{key}' is not of the form ski/<robot>/<panel>/...")
         for length in (4, 5):
             kind = self._kinds.get("/".join(chunks[2:length]))
             if kind is not None and len(chunks) == length + kind.collection:
-                return chunks[1], kind, chunks[length] if kind.collection else None
+                parsed = chunks[1], kind, chunks[length] if kind.collection else None
+                if len(self._parsed) < MAX_PARSED:
+                    self._parsed[key] = parsed
+                return parsed
         path = "/".join(chunks[2:])
         raise BoardError(f"key '{key}' names no kind of this vocabulary{did_you_mean(path, self._kinds)}")
 

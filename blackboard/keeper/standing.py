@@ -11,7 +11,7 @@ from blackboard.journal import line_of
 from blackboard.keeper.checking import key_of
 from blackboard.key_expressions import matches
 from blackboard.link.envelope import Envelope, Origin, read_entry, read_payload
-from blackboard.link.merge import NEVER, life_of, merged
+from blackboard.link.merge import life_of, merged, retracted_s
 from blackboard.vocabulary import Vocabulary
 
 
@@ -50,14 +50,14 @@ class Standing:
         gone = self._gone.get(entry.key)
         gone_entry = self._entry(gone) if gone is not None else None
         known_entry = self._entry(known) if known is not None else gone_entry
-        life_s = life_of(gone_entry.stamp_s if gone_entry is not None else NEVER, entry)
-        result = merged(known_entry, entry, life_s)
+        result = merged(known_entry, entry, life_of(retracted_s(gone_entry), entry))
         if entry.event == "retracted":
             self._bury(entry.key, self._held(merged(gone_entry, entry), come, entry, gone, gone_entry))
         if result is known_entry:
             return
         if result.event == "retracted":
             self._standing.pop(entry.key, None)
+            self._bury(entry.key, self._held(result, come, entry, known or gone, known_entry))
         else:
             self._standing[entry.key] = self._held(result, come, entry, known, known_entry)
 

@@ -6,6 +6,7 @@ text with one envelope on each line, attachment and payload parted by a tab.
 """
 
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import msgspec
@@ -51,13 +52,19 @@ def read_origin(attachment: bytes) -> Origin:
     lane = _LANES.get(parts[2]) if len(parts) == 4 else None
     if lane is None or not parts[3].isdigit() or len(parts[3]) > 16 or max(len(parts[0]), len(parts[1])) > MAX_NAME:
         raise MessageError(f"attachment {attachment[:80]!r}: must be 'host boot lane number'")
-    try:
-        host, boot, number = parts[0].decode("ascii"), parts[1].decode("ascii"), int(parts[3])
-    except UnicodeDecodeError:
-        raise MessageError(f"attachment {attachment[:80]!r}: must be ASCII") from None
-    if not is_chunk(host) or not is_chunk(boot) or not 1 <= number <= MAX_NUMBER:
-        raise MessageError(f"attachment {attachment[:80]!r}: host and boot are names, the number is 1 and more")
+    host, boot, number = _name(parts[0]), _name(parts[1]), int(parts[3])
+    if not 1 <= number <= MAX_NUMBER:
+        raise MessageError(f"attachment {attachment[:80]!r}: numbers begin with 1")
     return Origin(host, boot, lane, number)
+
+
+@lru_cache(maxsize=1000)
+def _name(text: bytes) -> str:
+    """Return the name of a host or boot; raise MessageError where it is none."""
+    name = text.decode("ascii", "replace")
+    if not is_chunk(name):
+        raise MessageError(f"attachment names {text[:80]!r}: host and boot are letters, digits, '_', '-' and '.'")
+    return name
 
 
 def read_payload(key: str | None, payload: bytes) -> JournalLine:

@@ -24,6 +24,14 @@ def merged(known: Entry[Any] | None, come: Entry[Any], life_s: float = NEVER) ->
     if known is None:
         said = _of_this_life(come.endorsements, life_s)
         return come if said == come.endorsements else replace(come, endorsements=said)
+    if (
+        come.stamp_s > known.stamp_s
+        and come.revision > known.revision
+        and come.value_from is None
+        and (come.endorsements == known.endorsements or not known.endorsements)
+        and life_s == NEVER
+    ):
+        return come  # as nearly always
     wins = _order(come) > _order(known) or (_order(come) == _order(known) and _content(come) > _content(known))
     winner = come if wins else known
     said = _of_this_life(_united(known.endorsements, come.endorsements), life_s)
@@ -38,7 +46,12 @@ def merged(known: Entry[Any] | None, come: Entry[Any], life_s: float = NEVER) ->
 
 def life_of(known_life_s: float, come: Entry[Any]) -> float:
     """Return the stamp of the latest retraction, after `come` has come."""
-    return max(known_life_s, come.stamp_s) if come.event == "retracted" else known_life_s
+    return max(known_life_s, retracted_s(come)) if come.event == "retracted" else known_life_s
+
+
+def retracted_s(gone: Entry[Any] | None) -> float:
+    """Return the stamp of a retraction itself, whatever it was merged with; None: there never was one."""
+    return NEVER if gone is None else _order(gone)[0]
 
 
 def _order(entry: Entry[Any]) -> tuple[float, int, bool]:

@@ -107,6 +107,7 @@ def test_a_replica_revises_on_from_what_it_heard():
     heard = []
     there.subscribe(KEY, heard.append)
     there.endorse(KEY, who="door", verdict="for", why="seen")
+    here.now_s = 2.0
     here.retract(TARGET, "1", source="a")
     here.post(TARGET, entry(1, 1.0).value, id="1", source="a")
     assert [(e.event, e.revision) for e in heard][-1] == ("posted", 3)
