@@ -40,6 +40,10 @@ class CheckpointError(SkiError):
     """A checkpoint cannot be written, or what was found is none that may be used."""
 
 
+class KeysError(SkiError):
+    """Keys, certificates or the list of members cannot be made, read or used."""
+
+
 class ComponentFailed(SkiError):
     """A component raised while running under `--strict`."""
 

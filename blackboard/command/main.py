@@ -28,6 +28,7 @@ VERBS = {
     "down": "end what was started on this machine, whatever state it is in",
     "ps": "show the processes of what is up: machine, state, restarts, heartbeat, what is missing",
     "agent": "run parts of missions on this machine for a manager (ski up) here or elsewhere",
+    "keys": "make and list the keys of a board that other machines can reach",
     "new": "write a new component to start from",
 }
 EXIT_ERROR = 2

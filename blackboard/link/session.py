@@ -199,6 +199,13 @@ def open_router(params: LinkParams) -> Session:
     return _open(router_configuration(params.address, params.keys), params.address)
 
 
+def start_log(directives: str) -> None:
+    """Have zenoh log to standard output's descriptor, once in a process's life; RUST_LOG goes before `directives`."""
+    import zenoh
+
+    zenoh.init_log_from_env_or(directives)
+
+
 def _open(configuration: dict[str, Any], address: str) -> Session:
     import zenoh
 
