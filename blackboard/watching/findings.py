@@ -212,6 +212,14 @@ def _boards(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:
                 what=f"{component} of {robot.name} has failed and is left out: {error or 'no reason given'}",
                 do=f"`ski get status/component/{component} --json` shows what it worked on; mend it and start its host again",
             )
+        yield from _rules_at_work(robot)
+        for process, words in sorted(robot.given_up.items()):
+            yield Finding(
+                about="process given up",
+                what=f"the process of host {process} ended too often and is not started again"
+                + (f": {words}" if words else ""),
+                do="`ski ps` names its log; mend what it says and start it with `ski up MISSION`",
+            )
         linked = [host for host in facts.hosts if host.robot == robot.name and host.state == "alive"]
         if linked and robot.clock_s is None:
             yield Finding(
@@ -221,6 +229,21 @@ def _boards(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:
             )
         elif robot.clock_s is not None and robot.mission in ("", "underway"):
             yield from _silent(robot, robot.clock_s, linked, params)
+
+
+def _rules_at_work(robot: RobotFacts) -> Iterator[Finding]:
+    for rule, text in sorted(robot.rule_errors.items()):
+        yield Finding(
+            about="rule error",
+            what=f"rule {rule} of {robot.name} went wrong: {text}",
+            do=f"`ski get control/rule_error/{rule}` shows when; mend the rule file, a changed one takes over by itself",
+        )
+    for behaviour, waited_s in sorted(robot.unanswered.items()):
+        yield Finding(
+            about="no acknowledgement",
+            what=f"{behaviour} of {robot.name} has not taken up what it was asked for {waited_s:.1f} s before",
+            do="see that the host that runs the behaviours is alive and keeps up",
+        )
 
 
 def _silent(robot: RobotFacts, clock_s: float, linked: list[HostFacts], params: DoctorParams) -> Iterator[Finding]:

@@ -12,7 +12,16 @@ import msgspec
 from blackboard.entry import Entry
 from blackboard.errors import BoardError, LinkError, MessageError
 from blackboard.keeper.status import BoardStatus, KeeperStatus
-from blackboard.kinds import ACTIVATION, COMPONENT, HOST, LEVELLED_PANELS, MISSION
+from blackboard.kinds import (
+    ACTIVATION,
+    COMMUNICATION_ERROR,
+    COMPONENT,
+    HOST,
+    LEVELLED_PANELS,
+    MISSION,
+    PROCESS,
+    RULE_ERROR,
+)
 from blackboard.link.address import parse_address
 from blackboard.link.addresses import KEEPER_STATUS
 from blackboard.link.envelope import read_entry, read_payload
@@ -24,7 +33,7 @@ from blackboard.watching.probe import connects, tls_trouble
 from blackboard.watching.setup_facts import HostFacts, KeeperFacts, RobotFacts, SetupFacts, StreamFacts
 
 READINGS = "observations/signal"
-ASKED = ("status/**", f"{ACTIVATION.path}/*", f"{READINGS}/**")
+ASKED = ("status/**", f"{ACTIVATION.path}/*", f"{RULE_ERROR.path}/*", f"{READINGS}/**")
 VERSION = version("sensory-knowledge-integrator")
 
 
@@ -132,10 +141,11 @@ def _robot(board: BoardStatus, entries: Iterable[tuple[str, str, Entry[Any]]], c
             for path, entry in ours
             if path == ACTIVATION.path
         ),
-        failed={
-            str(entry.id): entry.value.error
-            for path, entry in ours
-            if path == COMPONENT.path and entry.value.state == "failed"
+        failed={str(e.id): e.value.error for path, e in ours if path == COMPONENT.path and e.value.state == "failed"},
+        rule_errors={str(e.id): e.value.text for path, e in ours if path == RULE_ERROR.path},
+        unanswered={str(e.id): e.value.waited_s for path, e in ours if path == COMMUNICATION_ERROR.path},
+        given_up={
+            str(e.id): e.value.last_line for path, e in ours if path == PROCESS.path and e.value.state == "failed"
         },
     )
 

@@ -63,6 +63,13 @@ class RobotFacts:
     readings: tuple[StreamFacts, ...] = ()
     activations: tuple[StreamFacts, ...] = ()
     failed: Mapping[str, str] = field(default_factory=dict)  # components with what they failed of
+    rule_errors: Mapping[str, str] = field(default_factory=dict)  # by rule
+    unanswered: Mapping[str, float] = field(
+        default_factory=dict
+    )  # behaviours that do not acknowledge, for how many seconds
+    given_up: Mapping[str, str] = field(
+        default_factory=dict
+    )  # processes that are not started again, with their last words
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,6 +1,10 @@
-"""A keeper at work, and a link to it."""
+"""A keeper at work, and a link to it; an environment for programs that our plug-ins belong to."""
 
+import os
 import socket
+import sys
+import tomllib
+from pathlib import Path
 from threading import Thread
 
 import pytest
@@ -36,3 +40,21 @@ def keeper(tmp_path, address):
 def client(keeper, address):
     with open_session(LinkParams(address=address)) as session:
         yield session
+
+
+@pytest.fixture
+def plugged_in(tmp_path: Path) -> dict[str, str]:
+    """Return an environment in which pyproject's entry points count, however old those of the installed package are."""
+    root = Path(__file__).resolve().parents[2]
+    points = tomllib.loads((root / "pyproject.toml").read_text())["project"]["entry-points"]
+    folder = tmp_path / "ski_points-0.dist-info"
+    folder.mkdir()
+    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: ski-points\nVersion: 0\n")
+    lines = [f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in named.items()) for group, named in points.items()]
+    (folder / "entry_points.txt").write_text("\n".join(lines))
+    return {
+        **os.environ,
+        "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
+        "PYTHONPATH": f"{tmp_path}{os.pathsep}{root}",
+        "MPLCONFIGDIR": str(tmp_path),
+    }

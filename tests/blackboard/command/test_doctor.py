@@ -20,10 +20,10 @@ PATIENCE_S = 30.0
 
 
 @pytest.fixture
-def doctor(free_address: str, capsys: pytest.CaptureFixture[str]) -> Doctor:
+def doctor(address: str, capsys: pytest.CaptureFixture[str]) -> Doctor:
     """Return a function that asks the doctor and gives the findings."""
 
-    def ask(*arguments: str, address: str = free_address) -> list[dict[str, str]]:
+    def ask(*arguments: str, address: str = address) -> list[dict[str, str]]:
         status = main(["doctor", *arguments, "--json", "--for", "0.6", "--connect", address])
         found: list[dict[str, str]] = json.loads(capsys.readouterr().out)
         assert status == (1 if found else 0)
@@ -71,11 +71,11 @@ def silent_server() -> Iterator[str]:
             one.close()
 
 
-def test_nothing_runs(doctor: Doctor, free_address: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_nothing_runs(doctor: Doctor, address: str, capsys: pytest.CaptureFixture[str]) -> None:
     (found,) = doctor()
     assert found["about"] == "nothing running"
-    assert found["what"] == f"nothing listens at {free_address} (Connection refused)"
-    assert main(["doctor", "--connect", free_address]) == 1
+    assert found["what"] == f"nothing listens at {address} (Connection refused)"
+    assert main(["doctor", "--connect", address]) == 1
     what, do = capsys.readouterr().out.splitlines()
     assert (what, do.strip()) == (found["what"], found["do"])
 
@@ -85,15 +85,15 @@ def test_something_else_listens_there(doctor: Doctor, silent_server: str) -> Non
     assert (found["about"], silent_server in found["what"]) == ("wrong port", True)
 
 
-def test_a_router_without_a_keeper(doctor: Doctor, free_address: str) -> None:
-    with open_router(LinkParams(address=free_address)):
+def test_a_router_without_a_keeper(doctor: Doctor, address: str) -> None:
+    with open_router(LinkParams(address=address)):
         (found,) = doctor()
     assert found["about"] == "no keeper"
 
 
-def test_a_keeper_alone_and_one_that_refused_something(keeper: Keeper, doctor: Doctor, free_address: str) -> None:
+def test_a_keeper_alone_and_one_that_refused_something(keeper: Keeper, doctor: Doctor, address: str) -> None:
     assert [one["about"] for one in doctor()] == ["no hosts"]
-    with open_session(LinkParams(address=free_address)) as session:
+    with open_session(LinkParams(address=address)) as session:
         session.put("ski/k2a/status/robot", b'{"key": "\x1b[2J"}', b"robot boot knowledge 1")
         while b'"form":' not in session.ask(KEEPER_STATUS)[0].payload:
             pass  # it has come once the keeper's answer says so
@@ -103,7 +103,7 @@ def test_a_keeper_alone_and_one_that_refused_something(keeper: Keeper, doctor: D
 
 
 def test_hosts_that_are_missing_there_and_twice(
-    host: Callable[[str], Any], until: Doctor, mission_file: Path, capsys: pytest.CaptureFixture[str], free_address: str
+    host: Callable[[str], Any], until: Doctor, mission_file: Path, capsys: pytest.CaptureFixture[str], address: str
 ) -> None:
     mission = str(mission_file)
     host("robot")
@@ -115,9 +115,9 @@ def test_hosts_that_are_missing_there_and_twice(
     host("behaviours")
     sources = host("knowledge_sources")
     assert until(mission=mission) == []
-    assert main(["doctor", "--connect", free_address]) == 0
+    assert main(["doctor", "--connect", address]) == 0
     assert capsys.readouterr().out == (
-        f"Nothing is wrong: the keeper at {free_address} and 3 hosts (behaviours, knowledge_sources, robot).\n"
+        f"Nothing is wrong: the keeper at {address} and 3 hosts (behaviours, knowledge_sources, robot).\n"
     )
     host("behaviours")
     (found_twice,) = until("two of one", mission=mission)

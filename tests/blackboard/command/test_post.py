@@ -22,9 +22,9 @@ Post = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def post(keeper: Keeper, free_address: str, capsys: pytest.CaptureFixture[str]) -> Post:
+def post(keeper: Keeper, address: str, capsys: pytest.CaptureFixture[str]) -> Post:
     def run(*arguments: str) -> tuple[int, str, str]:
-        status = main(["post", *arguments, "--connect", free_address])
+        status = main(["post", *arguments, "--connect", address])
         out, err = capsys.readouterr()
         return status, out, err
 
@@ -38,7 +38,7 @@ def standing(address: str, capsys: pytest.CaptureFixture[str]) -> list[dict[str,
 
 
 def test_a_motivation_is_numbered_and_revised_and_retracted(
-    post: Post, free_address: str, capsys: pytest.CaptureFixture[str]
+    post: Post, address: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert post(NAV, '{"on": true, "parameters": [1.0, 2.0]}') == (
         0,
@@ -48,17 +48,17 @@ def test_a_motivation_is_numbered_and_revised_and_retracted(
     status, out, _ = post("motivations/motivation/target_nav", '{"on": false}', "--json")  # there is one robot now
     posted = json.loads(out)
     assert (status, posted["revision"], posted["event"], posted["value"]["number"]) == (0, 2, "revised", 2)
-    assert standing(free_address, capsys) == [posted]
+    assert standing(address, capsys) == [posted]
     assert "r3 retracted" in post(NAV, "--retract")[1]
-    assert standing(free_address, capsys) == []
+    assert standing(address, capsys) == []
     assert "r4 at" in post(NAV, '{"on": true}')[1]
 
 
-def test_reasons_for_and_against(post: Post, free_address: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_reasons_for_and_against(post: Post, address: str, capsys: pytest.CaptureFixture[str]) -> None:
     post(NAV, '{"on": true}')
     assert post(NAV, "--for", "it is near", "--as", "me", "--about", "place")[0] == 0
     assert post(NAV, "--against", "it is far", "--as", "me", "--about", "time")[0] == 0
-    (entry,) = standing(free_address, capsys)
+    (entry,) = standing(address, capsys)
     assert entry["revision"] == 3
     assert [(e["who"], e["verdict"], e["why"], e["about"]) for e in entry["endorsements"]] == [
         ("me", "for", "it is near", "place"),
@@ -70,10 +70,10 @@ def test_reasons_for_and_against(post: Post, free_address: str, capsys: pytest.C
 
 
 def test_what_is_refused_leaves_the_board_as_it_was(
-    post: Post, free_address: str, capsys: pytest.CaptureFixture[str]
+    post: Post, address: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     post(NAV, '{"on": true}')
-    before = standing(free_address, capsys)
+    before = standing(address, capsys)
     for arguments, said in [
         ((NAV, '{"on": 1}'), f"{NAV}: on = 1: Expected bool, got int"),
         ((NAV, '{"on": true, "speed": 3}'), f"{NAV}: Object contains unknown field speed"),
@@ -98,7 +98,7 @@ def test_what_is_refused_leaves_the_board_as_it_was(
         assert (status, out) == (2, ""), arguments
         assert said in err
         assert len(err.splitlines()) == 1
-    assert standing(free_address, capsys) == before
+    assert standing(address, capsys) == before
 
 
 def test_the_value_may_come_from_standard_input(post: Post, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -140,6 +140,14 @@ def test_a_component_that_failed() -> None:
     )
 
 
+def test_rules_behaviours_and_processes_in_trouble() -> None:
+    found = the_one(with_board(rule_errors={"go": "no such switch"}))
+    assert (found.about, found.what) == ("rule error", "rule go of k2a went wrong: no such switch")
+    assert the_one(with_board(unanswered={"docking": 2.0})).about == "no acknowledgement"
+    found = the_one(with_board(given_up={"maps": "MemoryError"}))
+    assert found.what == "the process of host maps ended too often and is not started again: MemoryError"
+
+
 def test_silence_is_measured_by_the_rhythm_until_then() -> None:
     # a scan every 0.1 s: silent from max(3, 20 x 0.1) = 3 s on
     assert findings(with_board(clock_s=102.9)) == []
