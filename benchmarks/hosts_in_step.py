@@ -97,7 +97,7 @@ class _Process:
             return
         if self.stages.robot is not None:
             assert not self._writers["robot"].write(now_s, self.stages.robot.states())
-        if self._writers["components"].is_due(now_s):
+        if self._writers["components"].is_due(now_s) or self.stages.acted:
             lost = self._writers["components"].write(now_s, self.stages.states())
             assert not lost, lost
 

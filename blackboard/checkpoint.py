@@ -13,6 +13,7 @@ import stat
 from collections.abc import Iterable, Mapping
 from copyreg import dispatch_table
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ import msgspec
 from blackboard.errors import BoardError, CheckpointError
 from blackboard.kinds import Kind
 from blackboard.messages.base import Count, Name, Seconds
-from blackboard.mission import Mission
+from blackboard.mission import Mission, Spec
 from blackboard.vocabulary import Vocabulary
 
 MAGIC = b"ski checkpoint 1\n"  # the number counts forms of this file
@@ -57,12 +58,29 @@ class _Header(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 
 def mission_identity(mission: Mission, seed: int) -> str:
-    """Return what tells this mission, with its settings and seed, from every other: a checkpoint of another is not taken."""
-    specs = [mission.robot, *mission.knowledge_sources, *mission.behaviours]
-    specs += [spec for spec in (mission.coordinator, mission.rules, mission.safety) if spec is not None]
-    said = [mission.params, mission.control, seed]
+    """Return what tells this mission, with its settings and seed, from every other: a checkpoint of another is not taken.
+
+    So does another release of ours: what its components kept may not be what these understand.
+    """
+    said: list[object] = [version("sensory-knowledge-integrator"), mission.params, mission.control, seed]
+    specs = _specs(mission)
     said += [(s.type.__module__, s.type.__qualname__, s.name, s.params, s.rating, s.wiring) for s in specs]
     return f"{mission.name}-{hashlib.sha256(repr(said).encode()).hexdigest()[:16]}"
+
+
+def packages_of(mission: Mission) -> set[str]:
+    """Return the packages, or the files, that a mission's components come from: states may be made of their classes."""
+    return {spec.type.__module__.partition(".")[0] for spec in _specs(mission)}
+
+
+def _specs(mission: Mission) -> list[Spec]:
+    some = (mission.coordinator, mission.rules, mission.safety)
+    return [
+        mission.robot,
+        *mission.knowledge_sources,
+        *mission.behaviours,
+        *(spec for spec in some if spec is not None),
+    ]
 
 
 class Checkpointer:

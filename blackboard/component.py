@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from blackboard.entry import Entry
-from blackboard.errors import MissionError
+from blackboard.errors import CheckpointError, MissionError
 from blackboard.kinds import Kind
 from blackboard.messages.base import Message
 from blackboard.messages.geometry import Pose
@@ -65,8 +65,13 @@ class Component(Generic[P]):
         `state` is of a while before that, None where nothing was kept. What it has posted since stands: it must number on above
         that, and post with no older stamps.
         """
-        if isinstance(state, dict):
-            vars(self).update(state)
+        if not isinstance(state, dict):
+            return
+        apart = (*WIRING, *self.derived)
+        missing = [name for name in vars(self) if name not in state and name not in apart]
+        if missing:
+            raise CheckpointError(f"what was kept has no '{missing[0]}': another version of the component wrote it")
+        vars(self).update(state)
 
 
 @dataclass(frozen=True)
@@ -181,6 +186,9 @@ class Planner(Component[P], ABC):
     """
 
     posts: Sequence[Kind[Any]] = ()  # may be set in __init__
+    acted: bool = (
+        False  # since its state was last told: who keeps states does so at once, so that nothing is done twice
+    )
 
     @abstractmethod
     def start(self, parts: Parts) -> None:

@@ -32,6 +32,11 @@ class Planning:
             self.planner = None
             report_failure(self._board, planner.name, error, None, strict=self._strict)
 
+    @property
+    def acted(self) -> bool:
+        """Say whether the planner has acted since its state was last told."""
+        return self.planner is not None and self.planner.acted
+
     def states(self) -> dict[str, object]:
         """Return what has to outlive the process, by component, to be pickled at once."""
         return {} if self.planner is None else {self.planner.name: state_of(self.planner)}

@@ -155,6 +155,7 @@ class PlanningModule(Planner[PlanningParams]):
         self._unfinished = True
 
     def state(self) -> object:
+        self.acted = False
         if not self._begun:
             return None
         return PlannerState(
@@ -274,6 +275,7 @@ class PlanningModule(Planner[PlanningParams]):
         supports = [s for i in activation.facts if i is not None and (s := memory.support(i)) is not None]
         deeds = self._actions.take()
         self._fired += 1
+        self.acted = True
         value = Firing(
             rule=activation.rule,
             number=self._fired,

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rules.engines.engine import Engine
-from rules.language.values import Value, readdressed
+from rules.language.values import Value
 from rules.language.writing import expression_text, rule_text
 from rules.working_memory import MemoryRecord, WorkingMemory
 
@@ -44,7 +44,7 @@ def go_on(known: Remembered, engine: Engine, memory: WorkingMemory) -> dict[int,
     indices = memory.restore(known.memory)
     for one in engine.program.globals:
         if known.definitions.get(one.name) == expression_text(one.value):
-            engine.set_global(one.name, readdressed(known.globals_[one.name], indices))
+            engine.set_global(one.name, known.globals_[one.name])
     waiting = Counter(
         (rule, tuple(None if f is None else indices.get(f) for f in facts)) for rule, facts in known.waiting
     )

@@ -6,7 +6,6 @@ the board, and what a firing since then has fired on is not fired on again, but 
 to its end, and once too often is better than never.
 """
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,12 +19,10 @@ from blackboard.vocabulary import Vocabulary
 from rules.board_actions import ActionsState
 from rules.engines.engine import Engine
 from rules.explaining.record import read_rules
-from rules.language.values import FactAddress, FactValue, Symbol, Value, readdressed_fact
+from rules.language.values import FactValue
 from rules.remembered import Remembered, emptied, go_on
 from rules.shown_facts import shown
 from rules.working_memory import WorkingMemory
-
-ADDRESS = re.compile(r"<Fact-(\d+)>")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,9 +86,8 @@ def _facts_as_shown(
     for old, told in zip(order, read, strict=True):
         if told is None:
             continue
-        index = memory.engine.assert_fact(readdressed_fact(_addressed(told), indices))
+        index = memory.engine.assert_fact(told)
         if index is not None:
-            indices[old] = index
             memory.put_behind(index, standing[old].as_support())
     return lost
 
@@ -119,18 +115,6 @@ def _read(facts: Sequence[Fact], files: RuleFiles, vocabulary: Vocabulary) -> tu
         return [*together], []
     each = [found[0] if (found := values([fact])) else None for fact in facts]
     return each, [fact.fact for fact, found in zip(facts, each, strict=True) if found is None]
-
-
-def _addressed(fact: FactValue) -> FactValue:
-    """Return a fact with addresses where their texts stand."""
-
-    def value_of(value: Value) -> Value:
-        if isinstance(value, tuple):
-            return tuple(map(value_of, value))
-        found = ADDRESS.fullmatch(value.name) if isinstance(value, Symbol) else None
-        return value if found is None else FactAddress(int(found[1]))
-
-    return FactValue(fact.relation, tuple(map(value_of, fact.fields)), fact.slots)
 
 
 def newest_number(entries: Iterable[Entry[Any]]) -> int:

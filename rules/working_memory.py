@@ -16,7 +16,7 @@ from rules.engines.engine import Engine, FactChange
 from rules.language.errors import RuleError
 from rules.language.syntax import Program, Slot, Template
 from rules.language.templates import KindTemplate, kind_templates
-from rules.language.values import NIL, FactValue, Value, readdressed_fact, same
+from rules.language.values import NIL, FactValue, Value, same
 from rules.language.walk import patterns_in
 
 CLOCK = "clock"  # the template of the mission's clock: (clock (time-s 12.0))
@@ -201,7 +201,7 @@ class WorkingMemory:
         indices: dict[int, int] = {}
         templates = {template.name: template for template in engine.program.templates}
         for old, fact in record.facts.items():
-            new = engine.assert_fact(readdressed_fact(fitted(fact, templates), indices))
+            new = engine.assert_fact(fitted(fact, templates))
             if new is not None:
                 indices[old] = new
         for key, (entry, fact, index) in record.held.items():

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from blackboard.board import Board
-from blackboard.checkpoint import SUFFIX, Checkpointer, read_checkpoint
+from blackboard.checkpoint import SUFFIX, Checkpointer, mission_identity, packages_of, read_checkpoint
 from blackboard.errors import CheckpointError
 from blackboard.link.stages import RobotStage, Stages
+from blackboard.mission import Mission
 from blackboard.resumption import show_anew
 
 EVERY_S = 1.0  # on the mission's clock
@@ -16,11 +17,13 @@ EVERY_S = 1.0  # on the mission's clock
 class KeptStates:
     """What the components of one host must remember, in `folder`; without one nothing is kept."""
 
-    def __init__(self, folder: Path | None, identity: str, boot: str, board: Board) -> None:
+    def __init__(self, folder: Path | None, mission: Mission, seed: int, boot: str, board: Board) -> None:
         self._board = board
-        self._identity = identity
+        self._identity = identity = mission_identity(mission, seed)
+        self._packages = packages_of(mission)
         self._paths: dict[str, Path] = {}
         self._writers: dict[str, Checkpointer] = {}
+        self._said: set[str] = set()
         if folder is not None:
             for name, every_s in (("robot", 0.0), ("components", EVERY_S)):
                 self._paths[name] = folder / f"{name}{SUFFIX}"
@@ -36,7 +39,7 @@ class KeptStates:
                 sys.stderr.write(f"ski: {error}\n")
                 continue
             if checkpoint is not None:
-                found, lost = checkpoint.states(self._board.vocabulary)
+                found, lost = checkpoint.states(self._board.vocabulary, self._packages)
                 states |= found
                 for name, why in lost.items():
                     sys.stderr.write(f"ski: {name} begins anew: {why}\n")
@@ -46,14 +49,20 @@ class KeptStates:
         """Write down where the robot and its world stand."""
         writer = self._writers.get("robot")
         if writer is not None:
-            self._tell(writer.write(now_s, robot.states()))
+            self._write(writer, now_s, robot.states())
 
     def keep(self, now_s: float, stages: Stages) -> None:
         """Write down the states of the other components, if it is time."""
         writer = self._writers.get("components")
-        if writer is not None and writer.is_due(now_s):
-            self._tell(writer.write(now_s, stages.states()))
+        if writer is not None and (writer.is_due(now_s) or stages.acted):
+            self._write(writer, now_s, stages.states())
 
-    def _tell(self, lost: Mapping[str, str]) -> None:
-        for name, why in lost.items():
-            show_anew(self._board, name, why)
+    def _write(self, writer: Checkpointer, now_s: float, states: Mapping[str, object]) -> None:
+        """Write, and say what cannot be kept; a full disk stops nobody, and is said once."""
+        try:
+            for name, why in writer.write(now_s, states).items():
+                show_anew(self._board, name, why)
+        except CheckpointError as error:
+            if str(error) not in self._said:
+                self._said.add(str(error))
+                sys.stderr.write(f"ski: {error}\n")

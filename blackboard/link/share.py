@@ -4,7 +4,6 @@ from pathlib import Path
 from queue import SimpleQueue
 
 from blackboard.assembly import Assembly
-from blackboard.checkpoint import mission_identity
 from blackboard.link.kept_states import KeptStates
 from blackboard.link.lanes import Lane
 from blackboard.link.replica import Item, Replica
@@ -40,7 +39,7 @@ class Share:
             queue=queue,
         )
         self.stages = Stages(self.replica.board, assembly, plan, strict=strict)
-        self._kept = KeptStates(state, mission_identity(assembly.mission, seed), self.replica.boot, self.replica.board)
+        self._kept = KeptStates(state, assembly.mission, seed, self.replica.boot, self.replica.board)
 
     def join(self, pace: float, begin_s: float | None = None) -> None:
         """Join the board, and go on from what was kept; raise LinkError where no keeper answers.

@@ -209,6 +209,11 @@ class Stages:
             if stage is not None:
                 stage.resume(states)
 
+    @property
+    def acted(self) -> bool:
+        """Say whether something was done that should be kept at once."""
+        return self.planning is not None and self.planning.acted
+
     def work(self) -> bool:
         """Do what is due now; say whether something is left that should go on at once."""
         if self.behaviours is not None and self.behaviours.due():

@@ -3,7 +3,6 @@
 Strings are `str`, integers `int`, floats `float`, multifields tuples. TRUE and FALSE are symbols.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import copysign
 
@@ -77,20 +76,6 @@ class FactValue:
             return f"({' '.join([self.relation, *map(written, self.fields)])})"
         parts = [f"({' '.join([s, *_words(v)])})" for s, v in zip(self.slots, self.fields, strict=True)]
         return f"({' '.join([self.relation, *parts])})"
-
-
-def readdressed(value: Value, indices: Mapping[int, int]) -> Value:
-    """Return a value with the addresses of facts as they are now."""
-    if isinstance(value, tuple):
-        return tuple(readdressed(part, indices) for part in value)
-    if isinstance(value, FactAddress):
-        return FactAddress(indices.get(value.index, 0))
-    return value
-
-
-def readdressed_fact(fact: FactValue, indices: Mapping[int, int]) -> FactValue:
-    """Return a fact with the addresses of facts as they are now."""
-    return FactValue(fact.relation, tuple(readdressed(value, indices) for value in fact.fields), fact.slots)
 
 
 def _typed(value: Value) -> tuple[object, ...]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from blackboard.board import Board
+from blackboard.checkpoint import dumped, loaded
 from blackboard.component import Parts
 from blackboard.entry import Entry
 from blackboard.kinds import BEHAVIOUR, FACT, FIRING, MOTIVATION, TARGET
@@ -34,9 +35,28 @@ class Bench:
         self.paths = [folder / f"rules{i}.clp" for i in range(len(texts))]
         for path, text in zip(self.paths, texts, strict=True):
             path.write_text(text, encoding="utf-8")
+        self._parts = parts
+        self._params = PlanningParams(files=tuple(self.paths), **params)  # type: ignore[arg-type]
+        self._start()
+
+    def _start(self) -> None:
         self.board = Board(VOCABULARY, robot="k2a")
-        module = PlanningModule(PlanningParams(files=tuple(self.paths), **params), name="rules")  # type: ignore[arg-type]
-        self.planning = Planning(self.board, module, parts, strict=True)
+        module = PlanningModule(self._params, name="rules")
+        self.planning = Planning(self.board, module, self._parts, strict=True)
+
+    def kept(self) -> bytes:
+        """Return what a checkpoint would keep now."""
+        return dumped(self.planning.states())
+
+    def restart(self, kept: bytes | None) -> None:
+        """Let another process take the place of this one, with what was kept and what stands."""
+        before = self.board
+        self._start()
+        self.board.load(before.select())
+        self.board.now_s = before.now_s
+        states = loaded(kept, VOCABULARY) if kept is not None else {}
+        assert isinstance(states, dict)
+        self.planning.resume(states)
 
     def cycle(self, seconds: float = 0.1) -> None:
         """Let a control cycle pass."""
