@@ -10,6 +10,7 @@ from typing import Literal
 
 from msgspec.structs import replace
 
+from blackboard.link.clock import CLOCK_OFF_S, clock_is_off
 from blackboard.messages.hosts import HostBeat, HostStatus
 
 State = Literal["alive", "hung", "dead", "stopped"]
@@ -108,6 +109,8 @@ class HostWatch:
             return replace(told or HostStatus(state=state, boot=boot.name), state=state, detail="; ".join(details))
         if state == "alive":
             details += [f"{c} runs in {', '.join(twice[c])}" for c in beat.components if len(twice.get(c, ())) > 1]
+        if abs(beat.offset_s) > CLOCK_OFF_S:
+            details.append(clock_is_off(beat.offset_s))
         if beat.missed:
             details.append(f"{beat.missed} envelopes could not be had any more")
         return HostStatus(

@@ -13,6 +13,7 @@ from blackboard.errors import LinkError
 
 KEPT = 8  # measurements: a clock drifts by less than a millisecond while so many are taken
 MEASURE_EVERY_S = 2.0
+CLOCK_OFF_S = 0.5  # a wall clock further off than this is told: logs of two machines cannot be compared any more
 
 
 class ClockAnswer(msgspec.Struct, kw_only=True, frozen=True):
@@ -79,3 +80,9 @@ class MissionClock:
         """Return the mission's clock at a time of this process's monotonic clock."""
         self._now_s = max(self._now_s, self.best.zero_s + self._pace * monotonic_s)
         return self._now_s
+
+
+def clock_is_off(wall_offset_s: float) -> str:
+    """Return what to say of a machine whose wall clock is off; the mission's own clock does not depend on it."""
+    way = "ahead of" if wall_offset_s > 0 else "behind"
+    return f"its clock is {abs(wall_offset_s):.1f} s {way} the keeper's; set it by NTP"

@@ -5,6 +5,7 @@ layer at once. Nothing here depends on what other hosts do: where they fall sile
 """
 
 import platform
+import sys
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
@@ -16,6 +17,7 @@ from queue import Empty, SimpleQueue
 from blackboard.assembly import Assembly, assemble
 from blackboard.errors import MissionError
 from blackboard.folder_lock import FolderLock
+from blackboard.link.clock import CLOCK_OFF_S, clock_is_off
 from blackboard.link.replica import Item
 from blackboard.link.session import LinkParams, Session, open_session
 from blackboard.link.share import Share
@@ -59,6 +61,7 @@ class Host:
             share_world(missions, [assembly.robot for assembly in self._assemblies])
         self._queue: SimpleQueue[Item] = SimpleQueue()
         self._stopping = False
+        self._clock_told = False
 
     def run(self) -> None:
         """Join the boards and work until stopped. Raises LinkError where no keeper answers."""
@@ -103,6 +106,10 @@ class Host:
     def _beat(self, shares: Sequence[Share], *, leaving: bool = False) -> None:
         for share in shares:
             share.beat(self.machine, _VERSION, leaving=leaving)
+        clock = shares[0].replica.clock
+        if clock.running and not self._clock_told and abs(clock.best.wall_offset_s) > CLOCK_OFF_S:
+            self._clock_told = True
+            sys.stderr.write(f"ski: {self.machine}: {clock_is_off(clock.best.wall_offset_s)}\n")
 
     def _take(self, wait_s: float) -> None:
         """Wait for an arrival, and handle it and what came with it."""

@@ -94,3 +94,10 @@ def test_after_a_restart_of_the_keeper_hosts_have_a_second_to_show_themselves():
     assert states(watch, 202.0) == {}
     watch.beat("map", beat(), 202.0)
     assert states(watch, 202.0) == {}
+
+
+def test_a_machine_whose_clock_is_off_is_told_by_how_much():
+    watch = watched()
+    watch.beat("map", beat(offset_s=-1.25), 0.2)
+    ((_, status),) = watch.changes(0.2)
+    assert status.detail == "its clock is 1.2 s behind the keeper's; set it by NTP"
