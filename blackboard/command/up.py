@@ -135,7 +135,8 @@ class _Up:
                     return
         self._local = LocalAgent(self._link, self._options.name, self._state.logs, lambda: None)
         if self._board is not None:
-            self._local.order(Order(manager=self._name, keeper_folder=str(self._board.absolute())))
+            mission = mission_name(self._options.mission)
+            self._local.order(Order(manager=self._name, keeper_folder=str(self._board.absolute()), prepare=mission))
 
     def oversee(self) -> Overseer:
         """Run the mission to its end."""
@@ -180,7 +181,7 @@ class _Up:
 
     def _orders(self, mission: Mission, robot: str, own_kinds: bool) -> MissionOrders:
         options = self._options
-        name = options.mission if options.mission in shipped_missions() else str(mission.path.absolute())
+        name = mission_name(options.mission)
         settings = [
             *options.set,
             *(f"robot.{key}={json.dumps(value)}" for key, value in robot_settings(options).items()),
@@ -206,6 +207,11 @@ class _Up:
     def _tend(self) -> None:
         if self._local is not None:
             self._local.tend(time.monotonic())
+
+
+def mission_name(given: str) -> str:
+    """Return a mission as processes elsewhere find it: a shipped one by its name, a file by its whole path."""
+    return given if given in shipped_missions() else str(find_mission(given).absolute())
 
 
 def _detach(options: argparse.Namespace, state: StateFolder) -> int:

@@ -15,14 +15,15 @@ from pathlib import Path
 
 import msgspec
 
-from blackboard.errors import LinkError
+from blackboard.errors import LinkError, OutputError
 from blackboard.link.session import Arrived, LinkParams, Question, Session, open_session
 from blackboard.messages.hosts import HostBeat
-from blackboard.processes.child import Ended
-from blackboard.processes.commands import host_plan, keeper_plan
-from blackboard.processes.executor import Executor, ProcessPlan
+from blackboard.processes.child import Ended, Started
+from blackboard.processes.commands import host_arguments, host_plan, keeper_plan
+from blackboard.processes.executor import Executor, ProcessPlan, start_anew
 from blackboard.processes.identity import Identity, end_all, identity_of
 from blackboard.processes.leash import Leash, LeashParams, let_go, passed
+from blackboard.processes.nursery_children import Nursery, can_fork
 from blackboard.processes.protocol import (
     AGENTS,
     KEEPER,
@@ -60,7 +61,8 @@ class Agent:
         self._version = version
         self.boot = f"{os.getpid()}-{time.time_ns():x}"
         self._events: queue.SimpleQueue[object] = queue.SimpleQueue()
-        self._executor = Executor(params.machine, params.state.logs, self._events.put)
+        self._executor = Executor(params.machine, params.state.logs, self._events.put, self._launch)
+        self._nursery: Nursery | None = None
         self._plans = plans or (lambda order, state: host_plan(order, params.link, params.machine, state))
         self._leash = Leash()
         self._session: Session | None = None
@@ -94,6 +96,7 @@ class Agent:
             self._loop()
         finally:
             self._executor.kill_all()
+            self._close_nursery()
             if self._session is not None:
                 self._session.close()
             for name in (*self._written, AGENT):
@@ -189,6 +192,8 @@ class Agent:
         if held_by not in ("", order.manager) and self._leash.silent_s < 2.0:
             raise LinkError(f"{self._params.machine} is held by another manager; end its mission with `ski down`")
         states = self._params.state.hosts_of(order.manager)
+        if not held_by:
+            self._close_nursery()  # what was loaded for another mission, maybe of long ago
         plans = [self._plans(host, states / host.name) for host in order.hosts]
         self._why = ""
         self._keeper_goes = False
@@ -197,7 +202,9 @@ class Agent:
             self._let_go("its manager let it go")
             return
         now_s = time.monotonic()
-        self._mission = order.hosts[0].mission if order.hosts else ""
+        self._mission = order.hosts[0].mission if order.hosts else order.prepare
+        if self._mission:
+            self._prepare(self._mission)
         if order.keeper_folder is not None:
             plan = keeper_plan(self._params.link, Path(order.keeper_folder), order.keeper_mission)
             self._executor.start(plan, now_s)
@@ -208,6 +215,29 @@ class Agent:
             self._executor.start(plan, now_s)
         self._write_down()
         self._changed = True
+
+    def _prepare(self, mission: str) -> None:
+        """Have a nursery for a mission, where this system can have one."""
+        if self._nursery is not None and (self._nursery.mission != mission or not self._nursery.alive):
+            self._close_nursery()
+        if self._nursery is None and can_fork():
+            with contextlib.suppress(OutputError):
+                self._nursery = Nursery(mission, self._params.state.logs / "nursery.log")
+
+    def _close_nursery(self) -> None:
+        if self._nursery is not None:
+            self._nursery.close()
+            self._nursery = None
+
+    def _launch(self, plan: ProcessPlan, log: Path, ended: Callable[[Ended], None]) -> Started:
+        """Fork a host where that is possible, else start it from nothing."""
+        arguments = host_arguments(plan.command)
+        if arguments is not None:
+            self._prepare(self._mission)
+            if self._nursery is not None:
+                with contextlib.suppress(OutputError):
+                    return self._nursery.start(plan.name, arguments, log, ended)
+        return start_anew(plan, log, ended)
 
     def _let_go(self, why: str) -> None:
         self._why = why

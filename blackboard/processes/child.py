@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 from blackboard.errors import OutputError
 from blackboard.processes.identity import Identity, identity_of
@@ -25,6 +26,27 @@ class Ended:
     pid: int
     code: int
     last_line: str
+
+
+class Started(Protocol):
+    """A process that an executor has started, by whatever way."""
+
+    @property
+    def pid(self) -> int:
+        """Its number."""
+
+    @property
+    def identity(self) -> Identity:
+        """Who it is."""
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+
+    def kill(self) -> None:
+        """End it."""
+
+    def join(self, timeout_s: float | None = None) -> int | None:
+        """Wait for its end and return its code; None where it still runs."""
 
 
 class Child:

@@ -29,6 +29,11 @@ def host_plan(order: HostOrder, link: LinkParams, machine: str, state: Path) -> 
     )
 
 
+def host_arguments(command: tuple[str, ...]) -> tuple[str, ...] | None:
+    """Return the arguments of `ski` where a command is a host's; None for any other."""
+    return command[len(SKI) :] if command[: len(SKI) + 1] == (*SKI, "host") else None
+
+
 def agent_command(link: LinkParams, machine: str) -> tuple[str, ...]:
     """Return how an executor is run that takes its first orders on standard input and goes with its manager."""
     return (*SKI, "agent", "--name", machine, *_link(link), "--passing")

@@ -11,7 +11,7 @@ from math import inf
 from pathlib import Path
 
 from blackboard.errors import OutputError
-from blackboard.processes.child import Child, Ended
+from blackboard.processes.child import Child, Ended, Started
 from blackboard.processes.identity import Identity, cpu_s
 from blackboard.processes.protocol import ProcessReport, State
 from blackboard.processes.restarts import Restart, pause_s
@@ -38,7 +38,7 @@ class ProcessPlan:
 class _Held:
     plan: ProcessPlan
     state: State = "starting"
-    child: Child | None = None
+    child: Started | None = None
     started_s: float = 0.0
     ends_s: list[float] = field(default_factory=list)
     restarts: int = 0
@@ -51,13 +51,24 @@ class _Held:
     dropped: bool = False
 
 
+Launch = Callable[[ProcessPlan, Path, Callable[[Ended], None]], Started]
+
+
+def start_anew(plan: ProcessPlan, log: Path, ended: Callable[[Ended], None]) -> Started:
+    """Start a process from nothing."""
+    return Child(plan.name, plan.command, log, ended)
+
+
 class Executor:
     """The processes of one executor. `ended` hears, on other threads, of every end: it must only put it on a queue."""
 
-    def __init__(self, machine: str, logs: Path, ended: Callable[[Ended], None]) -> None:
+    def __init__(
+        self, machine: str, logs: Path, ended: Callable[[Ended], None], launch: "Launch | None" = None
+    ) -> None:
         self.machine = machine
         self._logs = logs
         self._ended = ended
+        self._launch = launch or start_anew
         self._held: dict[str, _Held] = {}
         self._ticked_s: float | None = None
 
@@ -171,7 +182,7 @@ class Executor:
         held.heard, held.silent_s = False, 0.0
         held.state = "starting" if held.plan.hang_s is not None else "running"
         try:
-            held.child = Child(held.plan.name, held.plan.command, self._logs / f"{held.plan.name}.log", self._ended)
+            held.child = self._launch(held.plan, self._logs / f"{held.plan.name}.log", self._ended)
         except OutputError as error:
             held.state, held.last_line = "failed", str(error)
 

@@ -48,6 +48,7 @@ class Order(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     hosts: Annotated[tuple[HostOrder, ...], Meta(max_length=1000)] = ()
     keeper_folder: str | None = None
     keeper_mission: str = ""
+    prepare: str = ""  # a mission to be loaded already, whose hosts will be ordered soon
 
 
 class ProcessReport(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
