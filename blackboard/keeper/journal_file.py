@@ -17,6 +17,7 @@ from blackboard.link.lanes import Lane
 
 _MARK = b',"origin":['
 _PART = 1 << 20
+_LINE = 2048  # most lines are shorter
 
 
 def journalled(origin: Origin, payload: bytes) -> bytes:
@@ -82,6 +83,16 @@ class JournalFile:
             for line in file:
                 yield offset, line
                 offset += len(line)
+
+    def line_at(self, offset: int) -> bytes:
+        """Return the line that begins at an offset."""
+        size = _LINE
+        while True:
+            text = os.pread(self._file, size, offset)
+            end = text.find(b"\n")
+            if end >= 0 or len(text) < size:
+                return text[: end + 1]
+            size *= 16
 
     def tail_of(self, offset: int, length: int = 64) -> bytes:
         """Return what stands just before an offset, to know the file again."""

@@ -1,6 +1,5 @@
 """One robot's board as the keeper holds it: taken in, written down, answered from, and brought back after a restart."""
 
-from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -9,10 +8,10 @@ from blackboard.errors import MessageError
 from blackboard.keeper.checking import Checked, Checker, Refusals, Refused, key_of, lanes_of_panel
 from blackboard.keeper.checkpoint import read_checkpoint, write_checkpoint
 from blackboard.keeper.journal_file import JournalFile, journalled, read_journalled
+from blackboard.keeper.journal_index import JournalIndex
 from blackboard.keeper.params import KeeperParams
 from blackboard.keeper.positions import LanePositions
 from blackboard.keeper.refused_file import note_refused, read_refused
-from blackboard.keeper.ring import Ring
 from blackboard.keeper.standing import Standing
 from blackboard.link.envelope import Envelope, LostQuestion, Origin, attachment_of, read_origin
 from blackboard.link.lanes import QUALITY
@@ -30,7 +29,7 @@ class Took(NamedTuple):
 
 
 class KeptBoard:
-    """Standing entries, positions, rings and journal of one robot, in a folder of its own."""
+    """Standing entries, positions and journal of one robot, in a folder of its own."""
 
     def __init__(self, folder: Path, checker: Checker, params: KeeperParams) -> None:
         self.folder = folder
@@ -38,7 +37,7 @@ class KeptBoard:
         self.journal = JournalFile(folder)
         self.standing = Standing(checker.vocabulary, params.tombstones)
         self.positions = LanePositions(params.boots)
-        self.rings: defaultdict[str, Ring] = defaultdict(lambda: Ring(params.ring_envelopes, params.ring_bytes))
+        self.index = JournalIndex(params.findable_envelopes)
         self.refusals = Refusals()
         self.taken = 0
         self.duplicates = 0
@@ -109,17 +108,18 @@ class KeptBoard:
             bad.append((origin, refused.reason, str(refused)))
 
     def _write(self, good: list[Checked], bad: list[tuple[Origin, str, str]], tell: list[str]) -> Took:
-        if good and not self.journal.append(b"".join([journalled(c.origin, c.payload) for c in good])):
+        lines = [journalled(c.origin, c.payload) for c in good]
+        offset = self.journal.size_bytes
+        if good and not self.journal.append(b"".join(lines)):
             return Took(0, False, tell)
-        add, take, rings = self._add, self.standing.take, self.rings
-        for origin, payload, entry in good:
-            add(origin)
-            take(origin, payload, entry)
-            if origin.lane in _REPAIRED:
-                rings[origin.lane].add(origin, payload)
+        for (origin, payload, entry), line in zip(good, lines, strict=True):
+            self._add(origin)
+            self.standing.take(origin, payload, entry)
+            self.index.add(origin[:3], origin.number, offset)
+            offset += len(line)
         if bad and note_refused(self.folder, bad):
             for origin, _, _ in bad:
-                add(origin)
+                self._add(origin)
         self.taken += len(good)
         return Took(len(good), True, tell)
 
@@ -132,8 +132,17 @@ class KeptBoard:
         """Return what a reader missed and is still held; commands are never handed on late."""
         if question.lane not in _REPAIRED:
             return []
-        ring = self.rings[question.lane]
-        return list(ring.between(question.host, question.boot, question.lane, question.first, question.last))
+        lane = (question.host, question.boot, question.lane)
+        found: list[Envelope] = []
+        size = 0
+        for number, offset in self.index.between(lane, question.first, question.last):
+            envelope = read_journalled(self.journal.line_at(offset))
+            if envelope is not None and envelope.origin == (*lane, number):
+                size += len(envelope.payload)
+                if size > self.params.answer_bytes and found:
+                    break
+                found.append(envelope)
+        return found
 
     def board(self) -> list[Envelope]:
         """Return what a late joiner needs: what stands and what was retracted."""
@@ -175,13 +184,14 @@ class KeptBoard:
                 for mark in header.positions:
                     position = self.positions.at(mark.host, mark.boot, mark.lane)
                     position.up_to, position.beyond = mark.up_to, list(mark.beyond)
-        for offset, line in self.journal.lines(min(start, max(0, self.journal.size_bytes - self.params.ring_bytes))):
+        for offset, line in self.journal.lines(
+            min(start, max(0, self.journal.size_bytes - self.params.read_back_bytes))
+        ):
             read = read_journalled(line)
             if read is None:
                 self.strange_lines += 1
                 continue
-            if read.origin.lane in _REPAIRED:
-                self.rings[read.origin.lane].add(read.origin, read.payload)
+            self.index.add(read.origin[:3], read.origin.number, offset)
             if offset >= start:
                 self._add(read.origin)
                 self._stand(read)

@@ -9,8 +9,9 @@ from blackboard.parameters import require
 class KeeperParams:
     """What the keeper holds in memory at most, and how often it does what."""
 
-    ring_envelopes: int = 20_000  # newest envelopes of one lane, for readers that missed some
-    ring_bytes: int = 32_000_000
+    findable_envelopes: int = 4_000_000  # in the journal, for readers that missed some: 32 MB of memory for each robot
+    answer_bytes: int = 64_000_000  # of what was missed, in one answer
+    read_back_bytes: int = 64_000_000  # of journal, at a restart, so that what was missed can be found
     tombstones: int = 10_000  # retracted keys, so that nothing old brings them back
     robots: int = 64  # boards at most: a wrong program must not make one for each number it can think of
     boots: int = 1000  # starts of hosts whose positions are remembered, for each robot
@@ -27,9 +28,9 @@ class KeeperParams:
     checkpoint_bytes: int = 64_000_000  # of journal; what a restart has to read again
 
     def __post_init__(self) -> None:
-        for name in ("ring_envelopes", "tombstones", "robots", "boots", "queue_envelopes", "beat_envelopes"):
+        for name in ("findable_envelopes", "tombstones", "robots", "boots", "queue_envelopes", "beat_envelopes"):
             require(getattr(self, name) >= 1, name, getattr(self, name), "1 and more")
-        for name in ("ring_bytes", "entry_bytes", "queue_bytes", "checkpoint_bytes"):
+        for name in ("answer_bytes", "read_back_bytes", "entry_bytes", "queue_bytes", "checkpoint_bytes"):
             require(getattr(self, name) >= 1000, name, getattr(self, name), "1000 bytes and more")
         for name in ("beat_s", "gather_s", "hung_s", "starting_s", "told_s", "checkpoint_s"):
             require(0 < getattr(self, name) <= 3600, name, getattr(self, name), "(0, 3600] seconds")

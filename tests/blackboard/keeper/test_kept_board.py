@@ -123,7 +123,7 @@ def test_any_order_any_repetition_any_restart_ends_the_same(tmp_path_factory, ba
     assert numbers(kept.board()) == [7]
 
 
-def test_a_restart_brings_back_the_rings_and_goes_on_from_a_checkpoint(tmp_path, battery):
+def test_a_restart_brings_back_what_was_missed_and_goes_on_from_a_checkpoint(tmp_path, battery):
     kept = board(tmp_path)
     kept.take([battery(n) for n in range(1, 11)])
     kept.checkpoint()
@@ -186,13 +186,25 @@ def test_late_ones_must_be_of_their_panel(tmp_path, battery):
     assert kept.positions.told() == {"robot": {"b1": {"signal": 2}}}
 
 
-def test_a_ring_forgets_the_oldest_and_commands_are_never_handed_on(tmp_path, battery):
-    kept = board(tmp_path, ring_envelopes=3)
-    kept.take([battery(n) for n in range(1, 6)])
-    assert numbers(kept.lost(lost(1, 5))) == [3, 4, 5]
-    assert numbers(kept.lost(lost(1, 2**53))) == [3, 4, 5]
+def test_what_was_missed_is_read_from_the_journal_and_commands_are_never_handed_on(tmp_path, battery):
+    kept = board(tmp_path)
+    sent = {n: battery(n) for n in (2, 1, 5, 4)}
+    kept.take(sent.values())
+    assert {e.origin.number: e.payload for e in kept.lost(lost(1, 2**53))} == {n: m.payload for n, m in sent.items()}
+    assert numbers(kept.lost(lost(2, 4))) == [2, 4]
     assert kept.lost(lost(1, 5, lane="command")) == []
-    assert numbers(board(tmp_path, ring_envelopes=2).lost(lost(1, 5))) == [4, 5]
+    assert kept.lost(lost(1, 5, lane="large")) == []
+    kept.close()
+    assert numbers(board(tmp_path).lost(lost(1, 9))) == [1, 2, 4, 5]
+
+
+def test_answers_and_what_can_be_found_are_bounded(tmp_path, battery):
+    kept = board(tmp_path, findable_envelopes=10, answer_bytes=1000)
+    kept.take([battery(n) for n in range(1, 12)])
+    size = len(battery(1).payload)
+    assert numbers(kept.lost(lost(1, 11))) == list(range(7, 12))
+    kept = board(tmp_path, answer_bytes=1000)
+    assert len(kept.lost(lost(1, 11))) == 1000 // size
 
 
 def test_one_keeper_for_one_folder(tmp_path):
