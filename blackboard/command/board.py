@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -14,8 +15,12 @@ from blackboard.command.connection import add_connection_options, link_params
 from blackboard.errors import LinkError
 from blackboard.keeper.board_folder import DEFAULT
 from blackboard.link.address import DEFAULT_ADDRESS, parse_address
+from blackboard.link.configuration import listening_at
 from blackboard.link.session import LinkParams
 from blackboard.vocabulary import Vocabulary
+
+if TYPE_CHECKING:
+    from blackboard.keys.rejections import Rejection
 
 EXIT_MISSING = 1
 
@@ -71,13 +76,17 @@ def call(options: argparse.Namespace) -> int:
 
 def _serve(options: argparse.Namespace) -> int:
     from blackboard.keeper.service import Keeper  # loads what `ski board --help` does not need
+    from blackboard.keys.rejections import Rejections
 
     parse_address(options.connect)
     sys.setswitchinterval(0.0005)  # the clock is asked on other threads, and must be answered at once
     vocabulary = mission_vocabulary(options.mission)
     link = LinkParams(address=options.connect, keys=options.keys)
-    keeper = Keeper(link, options.folder, vocabulary, fresh=options.fresh, tell=_tell)
+    rejections = Rejections(tell=_rejected)
+    keeper = Keeper(link, options.folder, vocabulary, fresh=options.fresh, tell=_tell, rejected=rejections.told)
     try:
+        if options.keys is not None:
+            rejections.start()
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, lambda *_: keeper.stop())
         keeper.open()
@@ -87,11 +96,12 @@ def _serve(options: argparse.Namespace) -> int:
             end_with_holder()
         for robot, entries in keeper.brought_back.items():
             sys.stdout.write(f"board of {robot}: {entries} entries stand again (--fresh begins anew)\n")
-        sys.stdout.write(f"listening at {link.address}, journals in {options.folder}\n")
+        sys.stdout.write(f"listening at {listening_at(link.address, link.keys)}, journals in {options.folder}\n")
         sys.stdout.flush()
         keeper.run()
     finally:
         keeper.close()
+        rejections.close()
     return 0
 
 
@@ -125,6 +135,14 @@ def _status(options: argparse.Namespace) -> int:
     else:
         sys.stdout.writelines(f"{line}\n" for line in told(status))
     return EXIT_MISSING if status.missing else 0
+
+
+def _rejected(rejection: "Rejection", often: int) -> None:
+    from blackboard.keys.rejections import spoken
+
+    line = spoken(rejection, often)
+    if line is not None:
+        _tell(line)
 
 
 def _tell(line: str) -> None:

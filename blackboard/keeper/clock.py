@@ -41,13 +41,15 @@ class KeptClock:
         """The mission's clock; None where it has not begun."""
         return self._at(self._wall())
 
-    def answer(self, question: bytes) -> ClockAnswer:
-        """Answer a question, beginning the clock if it asks for that; raise MessageError where it is none."""
+    def answer(self, question: bytes, may_begin: bool = True) -> ClockAnswer:
+        """Answer a question, beginning the clock if it asks for that; raise MessageError where it is none, or may not."""
         try:
             asked = msgspec.json.decode(question, type=ClockQuestion) if question else ClockQuestion()
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
             raise MessageError(f"not a question for the clock ({error}); ask nothing, or begin and pace") from None
         if asked.begin is not None:
+            if not may_begin:
+                raise MessageError("a clock is begun by asking .../@keeper/begin, not .../@keeper/clock")
             if not (abs(asked.begin) <= 1e10 and 0 < asked.pace <= 1e4):
                 raise MessageError(f"a clock begins within 1e10 s of zero at a pace up to 10000, not {question[:80]!r}")
             self._begin(asked.begin, asked.pace)

@@ -74,17 +74,17 @@ class KeptBoard:
             self.positions.hear(host, boot, now_s)
         return took
 
-    def take_late(self, robot: str, panel: str, envelopes: Sequence[Envelope], now_s: float = 0.0) -> Took:
-        """Take in what a poster hands in late for one panel; what belongs to another is refused."""
+    def take_late(self, robot: str, place: str, envelopes: Sequence[Envelope], now_s: float = 0.0) -> Took:
+        """Take in what a poster hands in late for one place, where it may post; what belongs elsewhere is refused."""
         arrived = []
         tell: list[str] = []
         for origin, payload in envelopes:
             try:
                 key = key_of(payload)
             except MessageError:
-                key = f"ski/{robot}/{panel}"  # refused there, with the reason
-            if key.split("/")[:3] != ["ski", robot, panel]:
-                said = self.refusals.note("panel", f"{key} was handed in for ski/{robot}/{panel}", origin.host)
+                key = f"ski/{robot}/{place}"  # refused there, with the reason
+            if key.split("/")[:4] != ["ski", robot, *place.split("/")]:
+                said = self.refusals.note("place", f"{key} was handed in for ski/{robot}/{place}", origin.host)
                 tell += [said] if said is not None else []
                 continue
             arrived.append(Arrived(key, payload, attachment_of(origin)))

@@ -64,9 +64,9 @@ class RobotDesk:
         """Take in entries; return what is to be told."""
         return self._note(self.kept.take(arrived, now_s))
 
-    def take_late(self, panel: str, envelopes: list[Envelope], now_s: float) -> list[str]:
+    def take_late(self, place: str, envelopes: list[Envelope], now_s: float) -> list[str]:
         """Take in what a poster hands in late; return what is to be told."""
-        return self._note(self.kept.take_late(self.robot, panel, envelopes, now_s))
+        return self._note(self.kept.take_late(self.robot, place, envelopes, now_s))
 
     def host_beat(self, host: str, beat: HostBeat, now_s: float) -> None:
         """Take note of a host's beat."""

@@ -121,10 +121,11 @@ class Keeper:
         session.subscribe("ski/**", take)
         session.subscribe("ski/*/@hosts/*/beat", lambda a: put(Beaten(a.key, a.payload), len(a.payload)))
         session.watch("ski/*/@hosts/*/alive/*", lambda key, alive: put(Linked(key, alive)))
-        session.serve("ski/*/@keeper/clock", self._answer_clock)
+        for what in ("clock", "begin"):
+            session.serve(f"ski/*/@keeper/{what}", self._answer_clock)
         for what in ("snapshot", "lost"):
             session.serve(f"ski/*/@keeper/{what}", ask)
-        session.serve("ski/*/@late/*", ask)
+        session.serve("ski/*/@late/*/*", ask)
         session.serve(KEEPER_STATUS, ask)
         session.serve("ski/**", ask)
 
@@ -275,18 +276,19 @@ class Keeper:
     def _answer_clock(self, question: Question) -> None:
         """Answer at once, on zenoh's thread: the way there and back is measured by it."""
         try:
-            answer = self._ask_clock(robot_of(question.key), question.payload)
+            may_begin = question.key.endswith("/begin")  # which takes more rights than to ask
+            answer = self._ask_clock(robot_of(question.key), question.payload, may_begin)
             question.reply(question.key, msgspec.json.encode(answer))
         except SkiError as error:
             with suppress(LinkError):
                 question.fail(str(error))
         question.finish()
 
-    def _ask_clock(self, robot: str, question: bytes) -> ClockAnswer:
+    def _ask_clock(self, robot: str, question: bytes, may_begin: bool = False) -> ClockAnswer:
         """Ask a robot's clock; one that begins is kept."""
         with self._clocks_lock:
             clock = self._clocks.get(robot) or KeptClock(self.folder / robot, self._wall_s)
-            answer = clock.answer(question)
+            answer = clock.answer(question, may_begin)
             if answer.now_s is not None and robot not in self._clocks:
                 self._clocks[robot] = clock
             return answer
@@ -311,8 +313,8 @@ class Keeper:
             question.reply(question.key, desk.snapshot() if desk is not None else nothing)
         elif len(chunks) == 4 and chunks[2:] == ["@keeper", "lost"]:
             self._reply_lost(question, chunks[1])
-        elif len(chunks) == 4 and chunks[2] == "@late":
-            self._reply_late(question, chunks[1], chunks[3], now_s)
+        elif len(chunks) == 5 and chunks[2] == "@late":
+            self._reply_late(question, chunks[1], "/".join(chunks[3:]), now_s)
         else:
             for desk in self._desks.values():
                 for key, envelope in desk.kept.standing.matching(question.key):
@@ -326,14 +328,15 @@ class Keeper:
         desk = self._desks.get(robot)
         question.reply(question.key, join_batch(desk.kept.lost(asked) if desk is not None else []))
 
-    def _reply_late(self, question: Question, robot: str, panel: str, now_s: float) -> None:
+    def _reply_late(self, question: Question, robot: str, place: str, now_s: float) -> None:
+        panel = place.split("/")[0]
         if panel not in PANELS:
             raise BoardError(f"{question.key}: there is no panel '{panel}'")
         envelopes = split_batch(question.payload)
         desk = self._desk(robot)
         if desk is None:
             raise BoardError(f"{question.key}: no board for it")
-        self._say(desk.take_late(panel, envelopes, now_s))
+        self._say(desk.take_late(place, envelopes, now_s))
         if desk.kept.journal.trouble:
             raise BoardError(f"{desk.kept.journal.path}: cannot be written ({desk.kept.journal.trouble})")
         question.reply(question.key, desk.told(now_s))

@@ -35,14 +35,23 @@ class Rejection:
     detail: str
 
 
+def spoken(rejection: Rejection, often: int) -> str | None:
+    """Return a line for people, the first time and every time that the count has grown tenfold; None otherwise."""
+    if often != 10 ** (len(str(often)) - 1):
+        return None
+    who = f" by {rejection.member}" if rejection.member else ""
+    times = f" ({often} times by now)" if often > 1 else ""
+    return f"rejected: {rejection.kind}{who}, {rejection.detail}{times}"
+
+
 class Rejections:
     """Counts what is rejected, from `start` on, which comes before the router is opened; once in a process's life.
 
     Standard output's descriptor is zenoh's from then on, `sys.stdout` goes where it went before.
     """
 
-    def __init__(self, tell: Callable[[Rejection], None] | None = None) -> None:
-        """`tell` is called with every rejection, on the thread that reads the log."""
+    def __init__(self, tell: Callable[[Rejection, int], None] | None = None) -> None:
+        """`tell` is called, on the thread that reads the log, with every rejection and how often that member tried that by then."""
         self._tell = tell
         self._reader = LogReader()
         self._counts: Counter[str] = Counter()
@@ -84,12 +93,19 @@ class Rejections:
             return {kind: self._counts[kind] for kind in KINDS if self._counts[kind]}
 
     def by_member(self) -> dict[str, dict[str, int]]:
-        """Return the same for each member that is known."""
+        """Return the same for each member; what nobody knows whose it was stands under the empty name."""
         table: dict[str, dict[str, int]] = {}
         with self._lock:
             for (member, kind), count in sorted(self._by_member.items()):
                 table.setdefault(member, {})[kind] = count
         return table
+
+    def told(self) -> dict[str, int]:
+        """Return how often each kind of attempt was rejected, with the member's name where it is known."""
+        with self._lock:
+            return {
+                f"{kind} by {who}" if who else kind: count for (who, kind), count in sorted(self._by_member.items())
+            }
 
     def newest(self) -> list[Rejection]:
         """Return the newest rejections, oldest first."""
@@ -131,11 +147,11 @@ class Rejections:
             rejection = Rejection(denial.stamp, denial.kind, member, denial.detail)
             with self._lock:
                 self._counts[denial.kind] += 1
-                if member:
-                    self._by_member[member, denial.kind] += 1
+                self._by_member[member, denial.kind] += 1
+                often = self._by_member[member, denial.kind]
                 self._newest.append(rejection)
             if self._tell is not None:
-                self._tell(rejection)
+                self._tell(rejection, often)
 
 
 def _forget(descriptor: int, until_bytes: int) -> None:

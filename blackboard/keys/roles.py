@@ -18,7 +18,7 @@ READABLE = (  # a verbatim chunk (@...) is matched by no wildcard, so each stand
     "ski/@agents/**",
     "ski/@manager/**",
 )
-ASKABLE = ("ski/**", "ski/@keeper/**", "ski/*/@keeper/**")
+ASKABLE = ("ski/**", "ski/@keeper/**", *(f"ski/*/@keeper/{what}" for what in ("clock", "snapshot", "lost")))
 
 # What a role posts, below ski/<robot>/. A viewer posts nothing.
 POSTS: dict[str, tuple[str, ...]] = {
@@ -85,6 +85,8 @@ def rights(member: Member) -> Rights:
     asks = [*ASKABLE, *(f"ski/{robot}/@late/{path}" for path in posts)]
     announces = [f"{host}/**" for host in hosts]
     serves: list[str] = []
+    if "robot" in member.roles:
+        asks.append(f"ski/{robot}/@keeper/begin")
     if "operator" in member.roles:
         puts += ["ski/@agents/**", "ski/@manager/**"]
         asks += ["ski/@agents/**", "ski/@manager/**"]

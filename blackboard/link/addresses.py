@@ -7,13 +7,21 @@ def entries(robot: str, panel: str = "") -> str:
 
 
 def keeper(robot: str, what: str) -> str:
-    """Return the keeper's key for a robot's board: beat, clock, lost, snapshot."""
+    """Return the keeper's key for a robot's board: beat, begin, clock, lost, snapshot."""
     return f"ski/{robot}/@keeper/{what}"
 
 
-def late(robot: str, panel: str) -> str:
-    """Return the key under which a poster hands in what the keeper has not got."""
-    return f"ski/{robot}/@late/{panel}"
+def late(robot: str, place: str) -> str:
+    """Return the key under which a poster hands in what the keeper has not got.
+
+    `place` is what follows the robot in an entry's key, two chunks of it: who may post there may hand in there.
+    """
+    return f"ski/{robot}/@late/{place}"
+
+
+def place_of(key: str) -> str:
+    """Return the place that an entry's key belongs to: panel and level, or panel and kind."""
+    return "/".join(key.split("/")[2:4])
 
 
 def host_beat(robot: str, host: str) -> str:

@@ -88,6 +88,11 @@ def router_configuration(address: str, keys: Path | None = None) -> dict[str, An
     }
 
 
+def listening_at(address: str, keys: Path | None = None) -> str:
+    """Return an address as zenoh takes it; raise LinkError where it is malformed, or takes keys."""
+    return _endpoint(parse_address(address), keys)
+
+
 def _endpoint(address: Address, keys: Path | None) -> str:
     if keys is not None:
         return address.endpoint("tls")  # with keys nothing ever goes in the clear, whatever the address says

@@ -19,7 +19,7 @@ from blackboard.entry import Entry
 from blackboard.errors import BoardError, LinkError, MessageError
 from blackboard.history import HistoryParams
 from blackboard.journal import line_of
-from blackboard.kinds import PANELS, Kind
+from blackboard.kinds import Kind
 from blackboard.link import addresses
 from blackboard.link.clock import MEASURE_EVERY_S, ClockAnswer, ClockQuestion, MissionClock
 from blackboard.link.envelope import (
@@ -107,10 +107,11 @@ class Replica:
         self._session.subscribe(addresses.entries(self._robot), self._sink(self._arrived))
         text = self._must_answer(addresses.keeper(self._robot, "snapshot"), b"", end_s)
         self._load(text, tell=False)
+        what = "clock" if begin_s is None else "begin"
         question = msgspec.json.encode(ClockQuestion(begin=begin_s, pace=pace))
         for _ in range(3):
             asked_s = time.monotonic()
-            payload = self._must_answer(addresses.keeper(self._robot, "clock"), question, end_s)
+            payload = self._must_answer(addresses.keeper(self._robot, what), question, end_s)
             self.clock.measured(asked_s, time.monotonic(), time.time(), msgspec.json.decode(payload, type=ClockAnswer))
         self._session.announce(addresses.host_alive(self._robot, self.host, self.boot))
 
@@ -186,7 +187,7 @@ class Replica:
         return bool(self._outbox.waiting(lane)) and now_s - self._sent_s[lane] > LATE_AFTER_S
 
     def _hand_in(self) -> None:
-        """Hand what was not sent, or was lost on the way, to the keeper: a batch for each panel of the first lane that has some."""
+        """Hand what was not sent, or was lost on the way, to the keeper: a batch for each place of the first lane that has some."""
         now_s = time.monotonic()
         for lane in LANES:
             if self._overdue(lane, now_s):
@@ -197,14 +198,14 @@ class Replica:
             batches: dict[str, list[Envelope]] = {}
             size = 0
             for envelope in self._outbox.after(lane, self._handed[lane]):
-                batches.setdefault(panel_of(envelope.payload), []).append(envelope)
+                batches.setdefault(_place_of(envelope.payload), []).append(envelope)
                 self._handed[lane] = envelope.origin.number
                 size += len(envelope.payload)
                 if size >= LATE_BYTES:
                     break
-            for panel, batch in batches.items():
+            for place, batch in batches.items():
                 self._late_underway += 1
-                key = addresses.late(self._robot, panel)
+                key = addresses.late(self._robot, place)
                 self._session.ask_later(key, join_batch(batch), self._later(self._handed_in), LATE_ANSWER_S)
             if batches:
                 return
@@ -218,17 +219,19 @@ class Replica:
             self._hand_in()
 
     def _hand_in_left(self, end_s: float) -> None:
-        left = self._outbox.left
-        for panel in PANELS:
+        left: dict[str, list[Envelope]] = {}
+        for envelope in self._outbox.left:
+            left.setdefault(_place_of(envelope.payload), []).append(envelope)
+        for place, envelopes in left.items():
             batch, size = list[Envelope](), 0
-            for envelope in [e for e in left if panel_of(e.payload) == panel]:
+            for envelope in envelopes:
                 batch.append(envelope)
                 size += len(envelope.payload)
                 if size >= LATE_BYTES:
-                    self._must_answer(addresses.late(self._robot, panel), join_batch(batch), end_s)
+                    self._must_answer(addresses.late(self._robot, place), join_batch(batch), end_s)
                     batch, size = [], 0
             if batch:
-                self._must_answer(addresses.late(self._robot, panel), join_batch(batch), end_s)
+                self._must_answer(addresses.late(self._robot, place), join_batch(batch), end_s)
         self._outbox.acknowledge_left()
 
     # What comes: sinks on zenoh's threads only queue
@@ -358,6 +361,6 @@ class Replica:
                 raise LinkError(f"no keeper answers for the board of '{self._robot}'; start one with `ski board serve`")
 
 
-def panel_of(payload: bytes) -> str:
-    """Return the panel of an entry's payload, whose key stands first in it."""
-    return payload.split(b"/", 3)[2].decode("ascii", "replace")
+def _place_of(payload: bytes) -> str:
+    """Return the place of an entry's payload, whose key stands first in it."""
+    return addresses.place_of(payload.split(b'"', 4)[3].decode("ascii", "replace"))

@@ -214,6 +214,11 @@ def _open(configuration: dict[str, Any], address: str) -> Session:
     except zenoh.ZError as error:
         if configuration["mode"] == "router":
             raise LinkError(f"{address}: cannot be listened on ({error}); is a keeper running there already?") from None
+        endpoint = configuration["connect"]["endpoints"][0]
+        if endpoint.startswith("tls/"):
+            raise LinkError(
+                f"no keeper answers at {endpoint} and takes these keys; `ski doctor` with the same --keys finds out which"
+            ) from None
         raise LinkError(
             f"no keeper answers at {address}; start one with `ski board serve` or name another --connect"
         ) from None

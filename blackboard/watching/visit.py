@@ -83,8 +83,8 @@ class Visit:
         return False
 
     def _hand_in(self, envelope: Envelope, entry: Entry[Any]) -> None:
-        panel = entry.key.split("/")[2]
-        answer = self._ask(addresses.late(self._robot, panel), join_batch([envelope]), 5.0)
+        place = addresses.place_of(entry.key)
+        answer = self._ask(addresses.late(self._robot, place), join_batch([envelope]), 5.0)
         if not _holds(answer, envelope.origin):
             raise LinkError(f"{entry.key}: the keeper has not taken it; `ski doctor` says why")
 

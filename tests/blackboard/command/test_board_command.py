@@ -81,7 +81,7 @@ def post(address, first, last):
 
 def board_of(address):
     with open_session(LinkParams(address=address)) as session:
-        clock = json.loads(session.ask("ski/k2a/@keeper/clock", b'{"begin": 50.0}', timeout_s=WAIT_S)[0].payload)
+        clock = json.loads(session.ask("ski/k2a/@keeper/begin", b'{"begin": 50.0}', timeout_s=WAIT_S)[0].payload)
         header, envelopes = split_snapshot(session.ask("ski/k2a/@keeper/snapshot", timeout_s=WAIT_S)[0].payload)
         return header.lanes, envelopes, clock["now_s"]
 

@@ -82,7 +82,7 @@ def test_who_missed_some_gets_them_and_who_lost_some_hands_them_in(keeper, clien
     heard = beats(client)
     send(client, [battery(n) for n in (1, 2, 5)], heard, held(up_to=2))
     batch = [Envelope(read_origin(battery(n).attachment), battery(n).payload) for n in (3, 4, 5)]
-    answer = ask(client, late("k2a", "observations"), join_batch(batch))[0]
+    answer = ask(client, late("k2a", "observations/signal"), join_batch(batch))[0]
     assert msgspec.json.decode(answer.payload, type=KeeperBeat).lanes == {"robot": {"b1": {"signal": 5}}}
     question = LostQuestion(host="robot", boot="b1", lane="signal", first=2, last=9)
     lost = split_batch(ask(client, "ski/k2a/@keeper/lost", msgspec.json.encode(question))[0].payload)
@@ -95,16 +95,18 @@ def test_questions_that_make_no_sense_are_refused(client, battery):
     for key, question in [
         ("ski/k2a/@keeper/lost", b"{}"),
         ("ski/k2a/@keeper/lost", b"\xff"),
-        ("ski/k2a/@late/observations", b"\n\n x"),
-        ("ski/k2a/@late/nothing", b""),
+        ("ski/k2a/@late/observations/signal", b"\n\n x"),
+        ("ski/k2a/@late/nothing/at_all", b""),
+        ("ski/k2a/@keeper/clock", b'{"begin": 1.0}'),
         ("ski/k2a/@keeper/clock", b'{"begin": null, "end": 1}'),
     ]:
         assert [bool(a.error) for a in ask(client, key, question)] == [True], key
 
 
 def test_one_clock_for_a_robot(client, keeper):
-    def clock(question=b"{}"):
-        return json.loads(ask(client, "ski/k2a/@keeper/clock", question)[0].payload)
+    def clock(question=b""):
+        what = "begin" if question else "clock"
+        return json.loads(ask(client, f"ski/k2a/@keeper/{what}", question)[0].payload)
 
     assert clock()["now_s"] is None
     assert clock(b'{"begin": 100.0, "pace": 2.0}')["now_s"] >= 100.0
@@ -176,6 +178,6 @@ def test_what_a_host_says_it_sent_and_never_came_is_missing(client, battery):
 )
 def test_whatever_bytes_come_the_keeper_lives_on_and_nothing_stands(keeper, client, key, payload, attachment):
     client.put(key, payload, attachment)
-    for asked in ("ski/k2a/@keeper/lost", "ski/k2a/@late/observations", "ski/k2a/@keeper/clock"):
+    for asked in ("ski/k2a/@keeper/lost", "ski/k2a/@late/observations/signal", "ski/k2a/@keeper/begin"):
         assert len(client.ask(asked, payload, timeout_s=WAIT_S)) <= 1
     assert sum(board.standing for board in status_of(client).boards) == 0

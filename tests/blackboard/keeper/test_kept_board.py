@@ -175,14 +175,14 @@ def _no_space():
     raise OSError(28, "No space left on device")
 
 
-def test_late_ones_must_be_of_their_panel(tmp_path, battery):
+def test_late_ones_must_be_of_their_place(tmp_path, battery):
     kept = board(tmp_path)
     late = [Envelope(read_origin(battery(n).attachment), battery(n).payload) for n in (1, 2)]
-    assert kept.take_late("k2a", "commands", late).taken == 0
-    assert kept.refusals.by_reason["panel"] == 2
+    assert kept.take_late("k2a", "observations/feature", late).taken == 0
+    assert kept.refusals.by_reason["place"] == 2
     assert kept.positions.told() == {}
-    assert kept.take_late("other", "observations", late).taken == 0
-    assert kept.take_late("k2a", "observations", [*late, late[0]._replace(payload=b"{}")]).taken == 2
+    assert kept.take_late("other", "observations/signal", late).taken == 0
+    assert kept.take_late("k2a", "observations/signal", [*late, late[0]._replace(payload=b"{}")]).taken == 2
     assert kept.positions.told() == {"robot": {"b1": {"signal": 2}}}
 
 

@@ -36,7 +36,7 @@ def say(*words):
 
 questions = queue.Queue()
 configuration = router_configuration(sys.argv[1], Path(sys.argv[2]))
-with Rejections(tell=lambda r: say("rejected", r.kind, r.member, r.detail)) as rejections:
+with Rejections(tell=lambda r, often: say("rejected", r.kind, r.member, r.detail)) as rejections:
     with zenoh.open(zenoh.Config.from_json5(json.dumps(configuration))) as session:
         def arrived(sample):
             payload = sample.payload.to_bytes()

@@ -82,22 +82,25 @@ def test_a_wildcard_reaches_nothing_beyond_the_own_role(router, name, key):
 
 
 @pytest.mark.parametrize(
-    ("name", "place", "may"),
+    ("name", "key", "may"),
     [
-        ("eve", "motivations/motivation", "planner"),
-        ("planner", "hypotheses/symbol", "mapper"),
-        ("planner", "status/robot", "k2a"),
-        ("mapper", "observations/signal", "k2a"),
-        ("olga", "observations/signal", "k2a"),
+        ("eve", "ski/k2a/@late/motivations/motivation", "planner"),
+        ("planner", "ski/k2a/@late/hypotheses/symbol", "mapper"),
+        ("planner", "ski/k2a/@late/status/robot", "k2a"),
+        ("mapper", "ski/k2a/@late/observations/signal", "k2a"),
+        ("olga", "ski/k2a/@late/observations/signal", "k2a"),
+        ("eve", "ski/k2a/@keeper/begin", "k2a"),
+        ("olga", "ski/other/@keeper/begin", None),
     ],
 )
-def test_history_is_handed_in_by_those_who_may_post_it(router, name, place, may):
-    key = f"ski/k2a/@late/{place}"
+def test_history_is_handed_in_by_those_who_may_post_it_and_clocks_begun_by_robots(router, name, key, may):
     with router.open(name) as session:
         answers = session.get(key, payload=b"forged")
         router.wait("rejected", "question", name, key)
         assert [answer for answer in answers if answer.ok is not None] == []
     assert ["asked", key] not in router.told
+    if may is None:
+        return
     with router.open(may) as session:
         assert [answer.ok.payload.to_bytes() for answer in session.get(key)] == [b"the keeper's word"]
     router.wait("asked", key)
