@@ -3,13 +3,16 @@
 import argparse
 import json
 import sys
+from pathlib import Path
 
 import msgspec
 
 from blackboard.command.board import mission_vocabulary
 from blackboard.command.connection import add_connection_options, link_params
-from blackboard.errors import BoardError, LinkError
+from blackboard.errors import BoardError, KeysError, LinkError
 from blackboard.keeper.status import KeeperStatus
+from blackboard.keys.members import read_member
+from blackboard.keys.roles import may_put
 from blackboard.link.addresses import KEEPER_STATUS
 from blackboard.link.session import Session, open_session
 from blackboard.watching.saying import check_speaker, parse_key, read_value, whole_key
@@ -50,6 +53,7 @@ def call(options: argparse.Namespace) -> int:
     with open_session(link_params(options)) as session:
         key = whole_key(options.key, _robots(session))
         robot, kind, member = parse_key(vocabulary, key)
+        _check_role(options.keys, key)
         visit = Visit(session, vocabulary, robot)
         board = visit.board
         check_speaker(board, options.name)
@@ -66,6 +70,16 @@ def call(options: argparse.Namespace) -> int:
             else:
                 sys.stdout.write(f"{printable(key)} {summarise(payload)}\n")
     return 0
+
+
+def _check_role(keys: Path | None, key: str) -> None:
+    """Raise KeysError where the keeper would turn the post away without a word."""
+    if keys is not None:
+        speaker = read_member(keys)
+        if not may_put(speaker, key):
+            raise KeysError(
+                f"{key}: {speaker.name} ({', '.join(speaker.roles)}) may not post there; `ski keys` gives other roles"
+            )
 
 
 def _robots(session: Session) -> list[str]:

@@ -1,17 +1,21 @@
 """Gathers what `ski doctor` judges: tries the address, asks the keeper, listens for a while."""
 
+import datetime
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from blackboard.entry import Entry
-from blackboard.errors import BoardError, LinkError, MessageError
+from blackboard.errors import BoardError, KeysError, LinkError, MessageError
 from blackboard.keeper.status import BoardStatus, KeeperStatus
+from blackboard.keys.material import member_material
 from blackboard.kinds import (
     ACTIVATION,
     COMMUNICATION_ERROR,
@@ -41,20 +45,38 @@ def gather(params: LinkParams, listen_s: float, expected: Mapping[str, str]) -> 
     """Return what can be found out; listening takes `listen_s`. Raises LinkError where the address is none."""
     address = parse_address(params.address)
     facts = SetupFacts(address=params.address, version=VERSION, answers="nobody", expected=expected)
-    trouble = connects(address)
-    if trouble:
-        return replace(facts, trouble=trouble)
     try:
-        session = open_session(params)
+        facts = replace(facts, member=_member(params.keys))
+        trouble = connects(address)
+        if trouble:
+            return replace(facts, trouble=trouble)
+        with open_session(params) as session:
+            return _asked(session, facts, listen_s)
+    except KeysError as error:
+        return replace(facts, answers="refused", trouble=str(error))
     except LinkError as error:
-        refused = tls_trouble(address, params.keys)
-        if refused is None:
-            return replace(facts, answers="something else")
+        return _unlinked(params, facts, str(error))
+
+
+def _member(keys: Path | None) -> str:
+    if keys is None:
+        return ""
+    member = member_material(keys, datetime.datetime.now(datetime.UTC))[1]
+    return f"{member.name} ({', '.join(member.roles)})"
+
+
+def _unlinked(params: LinkParams, facts: SetupFacts, said: str) -> SetupFacts:
+    """Something listens, and there is no link to it."""
+    address = parse_address(params.address)
+    refused = tls_trouble(address, params.keys)
+    if refused is not None:
         if params.keys is None:
             return replace(facts, answers="certificates")
-        return replace(facts, answers="refused", trouble=refused or str(error))
-    with session:
-        return _asked(session, facts, listen_s)
+        return replace(facts, answers="refused", trouble=refused or said)
+    if params.keys is not None and address.loopback:
+        with suppress(LinkError), open_session(LinkParams(address=address.endpoint("tcp"))):
+            return replace(facts, answers="no certificates")
+    return replace(facts, answers="something else")
 
 
 def _asked(session: Session, facts: SetupFacts, listen_s: float) -> SetupFacts:

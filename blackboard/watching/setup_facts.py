@@ -4,7 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-Answers = Literal["nobody", "refused", "something else", "certificates", "a router", "a keeper"]
+Answers = Literal[
+    "nobody",  # nothing listens
+    "something else",  # no zenoh
+    "certificates",  # it wants them, and none were shown
+    "no certificates",  # it takes none, and some were shown
+    "refused",  # those that were shown are not good for it
+    "a router",  # and nobody answers as the keeper
+    "a keeper",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +88,7 @@ class SetupFacts:
     version: str  # of the ski that asks
     answers: Answers
     trouble: str = ""  # why the link failed, in the words of those who refused
+    member: str = ""  # whose keys were shown, with their roles
     keeper: KeeperFacts | None = None
     robots: tuple[RobotFacts, ...] = ()
     hosts: tuple[HostFacts, ...] = ()

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blackboard.errors import MissionError
-from blackboard.watching.findings import DoctorParams, Finding, findings
+from blackboard.watching.finding import DoctorParams, Finding
+from blackboard.watching.findings import findings
 from blackboard.watching.setup_facts import HostFacts, KeeperFacts, RobotFacts, SetupFacts, StreamFacts
 
 SONAR = StreamFacts(name="observations/signal/sonar_scan", count=1000, stamp_s=100.0)
@@ -56,12 +57,18 @@ def test_nothing_is_wrong_with_a_sound_setup() -> None:
         ("something else", "wrong port", "is no board keeper and speaks no zenoh"),
         ("certificates", "certificate", "takes members with certificates only"),
         ("refused", "certificate", "do not accept each other (expired)"),
+        ("no certificates", "certificate", "takes no certificates"),
         ("a router", "no keeper", "a zenoh router listens"),
     ],
 )
 def test_where_the_keeper_is_not_reached_that_is_all(answers: str, about: str, what: str) -> None:
     found = the_one(replace(SOUND, answers=answers, trouble="expired", keeper=None))  # type: ignore[arg-type]
     assert (found.about, what in found.what) == (about, True)
+
+
+def test_keys_that_were_withdrawn() -> None:
+    found = the_one(replace(SOUND, answers="a router", keeper=None, member="eve (viewer)"))
+    assert (found.about, "lets eve (viewer) in and answers nothing" in found.what) == ("certificate", True)
 
 
 def test_versions() -> None:
