@@ -1,19 +1,17 @@
 """Runs a mission of several robots from the command line: a folder for each robot, tables and a picture for all of them."""
 
 import argparse
-import sys
 from contextlib import ExitStack
 from pathlib import Path
 
 from rich.console import Console
 
-from blackboard.command.execute import complain, ending, new_folder, show_progress
-from blackboard.command.main import EXIT_INTERRUPTED
+from blackboard.command.execute import new_folder, show_progress
 from blackboard.command.spoken import tell_what_is_said
 from blackboard.errors import ComponentFailed
 from blackboard.journal import FILE_NAME, JournalWriter
 from blackboard.mission import Mission
-from blackboard.report.output_folder import prepare_output_folder, unwritable
+from blackboard.report.output_folder import prepare_team_folder
 from blackboard.runner import Progress, RunOptions
 from blackboard.team import Team
 
@@ -25,14 +23,10 @@ def execute_team(mission: Mission, options: argparse.Namespace) -> int:
     """
     folder = Path(options.out) if options.out is not None else new_folder(mission.name)
     team = Team(mission, RunOptions(seed=options.seed, strict=options.strict))
-    prepare_output_folder(folder, options.force)
-    for name in team.runs:
-        prepare_output_folder(folder / name, options.force)
+    prepare_team_folder(folder, list(team.runs), options.force)
     from blackboard.command.gather import FrameCollector, gather  # loads matplotlib: not before all else is sound
     from blackboard.command.gather_milestones import MilestoneCollector
-    from blackboard.report.table import end_table, table_json
-    from blackboard.report.team import side_by_side, team_table
-    from blackboard.report.team_overview import write_team_overview
+    from blackboard.command.team_results import tell_team_results
     from blackboard.report.write import write_results
 
     interrupted, failure = False, None
@@ -59,32 +53,10 @@ def execute_team(mission: Mission, options: argparse.Namespace) -> int:
     for name, result in results.items():
         frames = collectors[name].frames if collectors else ()
         write_results(result, folder / name, frames, milestones[name].milestones())
-    table = team_table(results)
-    told = (
-        f"{table['robots']}   ·   {table['time_s']:.0f} s   ·   met each other {table.get('met_each_other', 0)} times"
-    )
-    try:
-        write_team_overview(results, mission.name, told, folder / "overview.png")
-    except OSError as error:
-        raise unwritable(folder / "overview.png", error) from None
     if failure is not None:
         raise failure
-    for name, run in team.runs.items():
-        complain(run, f"{name}: ")
-    if options.json:
-        robots = ",\n".join(f'"{name}": {table_json(result.table)}' for name, result in results.items())
-        sys.stdout.write(f'{{"team": {table_json({**table, "out": str(folder)})},\n"robots": {{{robots}}}}}\n')
-    else:
-        console = Console()
-        console.print(side_by_side({name: result.table for name, result in results.items()}, mission.name))
-        console.print(end_table(table, "all together"))
-        for name, run in team.runs.items():
-            sys.stdout.write(f"{name}: {ending(run)}" if run.over else "")
-        sys.stdout.write(f"Results in {folder}: look at {folder / 'overview.png'}\n")
-    if interrupted:
-        sys.stderr.write(f"ski: interrupted; what was gathered until then is in {folder}\n")
-        return EXIT_INTERRUPTED
-    return 0
+    title, runs = mission.name, team.runs
+    return tell_team_results(title, runs, results, folder, json=options.json, interrupted=interrupted)
 
 
 def _run_showing_progress(team: Team, duration_s: float | None, note: Progress) -> None:

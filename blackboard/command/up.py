@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,10 +19,11 @@ from blackboard.command.execute import add_run_options, new_folder
 from blackboard.command.main import EXIT_ERROR, EXIT_INTERRUPTED
 from blackboard.command.mission_options import add_mission_options, load, robot_settings
 from blackboard.command.up_face import Face
-from blackboard.command.up_results import take_journal, write_up_results
+from blackboard.command.up_results import take_journal, write_up_results, write_up_team_results
 from blackboard.errors import LinkError, MissionError
 from blackboard.key_expressions import is_chunk
 from blackboard.link.session import LinkParams, open_session
+from blackboard.members import members, share_world
 from blackboard.mission import Mission, find_mission, shipped_missions
 from blackboard.placement import placement
 from blackboard.processes.child import last_line
@@ -33,7 +35,7 @@ from blackboard.processes.manager import MissionOrders, orders_of
 from blackboard.processes.overseer import Overseer, manager_name
 from blackboard.processes.protocol import KEEPER, Order, this_machine
 from blackboard.processes.state_folder import MANAGER, Record, StateFolder
-from blackboard.report.output_folder import prepare_output_folder
+from blackboard.report.output_folder import prepare_output_folder, prepare_team_folder
 from blackboard.vocabulary import has_own_kinds
 
 KEEPER_S = 20.0  # for a keeper to start
@@ -141,20 +143,25 @@ class _Up:
     def oversee(self) -> Overseer:
         """Run the mission to its end."""
         mission = load(self._options)
-        if mission.team:
-            raise MissionError(f"{mission.path}: robots of one world run in one process; use `ski run`")
-        assembly = assemble(mission, self._options.seed)
+        missions = members(mission)
+        assembly, *others = [assemble(its, self._options.seed) for its in missions]
+        share_world(missions, [assembly.robot, *(other.robot for other in others)])
         robot = assembly.robot.description.name
+        if others:
+            robots = [robot, *(other.robot.description.name for other in others)]
+            prepare_team_folder(self._folder, robots, force=True)
         if self._board is None:
             with open_session(self._link) as session:
-                check_free(keeper_status(session, self._link.address), robot, self._link.address)
+                for each in (assembly, *others):
+                    name = each.robot.description.name
+                    check_free(keeper_status(session, self._link.address), name, self._link.address)
         orders = self._orders(mission, robot, has_own_kinds(assembly.vocabulary))
         if self._local is not None:
             self._local.order(orders.of(self._options.name, self._name))
         if self._board is not None:
             log = self._state.logs / f"{KEEPER}.log"
             wait_until_listening(self._link.address, KEEPER_S, self._tend, lambda: last_line(log))
-        overseer = Overseer(self._link, assembly, orders, self._name, version("sensory-knowledge-integrator"))
+        overseer = Overseer(self._link, assembly, orders, self._name, version("sensory-knowledge-integrator"), others)
         overseer.local = self._local
         limit_s = self._limit_s(assembly)
         self._underway = True
@@ -167,17 +174,24 @@ class _Up:
 
     def conclude(self, seen: Overseer) -> int:
         """Write and show the results, when nothing runs any more."""
-        robot = seen.assembly.robot.description.name
+        robots = [each.robot.description.name for each in (seen.assembly, *seen.others)]
         if self._board is not None:
-            journal = take_journal(self._board, robot, self._folder)
-        elif seen.journal is not None and seen.journal.is_file():
-            journal = seen.journal
+            folders = {robot: self._folder / robot if seen.others else self._folder for robot in robots}
+            journals = {robot: take_journal(self._board, robot, folders[robot]) for robot in robots}
+            shutil.rmtree(self._board, ignore_errors=True)
         else:
+            journals = {robot: journal for robot, journal in seen.journals.items() if journal.is_file()}
+        if len(journals) < len(robots):
             sys.stderr.write(
                 f"ski: the keeper at {self._link.address} has the journal on its own machine: no results here\n"
             )
             return EXIT_INTERRUPTED if self._asked_to_end else 0
-        return write_up_results(seen.assembly, journal, self._folder, self._options, interrupted=self._asked_to_end)
+        interrupted = self._asked_to_end
+        if seen.others:
+            assemblies = (seen.assembly, *seen.others)
+            return write_up_team_results(assemblies, journals, self._folder, self._options, interrupted=interrupted)
+        journal = journals[robots[0]]
+        return write_up_results(seen.assembly, journal, self._folder, self._options, interrupted=interrupted)
 
     def _orders(self, mission: Mission, robot: str, own_kinds: bool) -> MissionOrders:
         options = self._options

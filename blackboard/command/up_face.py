@@ -33,7 +33,9 @@ class Face:
         self._missing: tuple[str, ...] = ()
 
     def __enter__(self) -> Self:
-        tell_what_is_said(self._overseer.replica.board, self._console)
+        boards = self._overseer.boards
+        for robot, board in boards.items():
+            tell_what_is_said(board, self._console, f"{robot}: " if len(boards) > 1 else "")
         if self._console.is_terminal:
             self._live.start()
         return self

@@ -1,7 +1,7 @@
 """The results of a mission that ran as processes, made from its keeper's journal when all of them have ended."""
 
 import argparse
-import shutil
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from blackboard.assembly import Assembly
@@ -28,6 +28,34 @@ def write_up_results(
     return tell_results(run, result, folder, json=options.json, interrupted=interrupted)
 
 
+def write_up_team_results(
+    assemblies: Sequence[Assembly],
+    journals: Mapping[str, Path],
+    folder: Path,
+    options: argparse.Namespace,
+    *,
+    interrupted: bool,
+) -> int:
+    """Write and show what a mission of several robots came to, from the journal of each; return the exit status."""
+    from blackboard.command.gather import FrameCollector, gather
+    from blackboard.command.gather_milestones import MilestoneCollector
+    from blackboard.command.team_results import tell_team_results
+    from blackboard.report.write import write_results
+
+    runs, results = {}, {}
+    title = assemblies[0].mission.name
+    for assembly in assemblies:
+        name = assembly.robot.description.name
+        run = runs[name] = ReplayedRun(assembly)
+        collector = FrameCollector(run) if options.gif else None
+        milestones = MilestoneCollector(run)
+        run.read(journals[name], collector.note if collector is not None else None)
+        results[name] = gather(run, f"{title}: {name}")
+        frames = collector.frames if collector is not None else ()
+        write_results(results[name], folder / name, frames, milestones.milestones())
+    return tell_team_results(title, runs, results, folder, json=options.json, interrupted=interrupted)
+
+
 def take_journal(board: Path, robot: str, folder: Path) -> Path:
     """Move the journal out of a folder that its keeper has left, to where `ski why --in` looks for it; return its place.
 
@@ -40,5 +68,4 @@ def take_journal(board: Path, robot: str, folder: Path) -> Path:
         raise OutputError(
             f"{board / robot / FILE_NAME}: there is no journal, so there are no results ({error.strerror})"
         ) from None
-    shutil.rmtree(board, ignore_errors=True)
     return place

@@ -103,7 +103,7 @@ class Manager:
         self,
         session: Session,
         orders: MissionOrders,
-        board: Board,
+        boards: Sequence[Board],
         later: Later,
         *,
         name: str = "",
@@ -111,7 +111,7 @@ class Manager:
         self.name = name or f"{os.getpid()}-{time.time_ns():x}"
         self._session = session
         self._orders = orders
-        self._board = board
+        self._boards = boards  # of every robot of the mission: each is told of all processes
         self._later = later
         self.agents: dict[str, AgentReport] = {}
         self.refusals: dict[str, str] = {}  # why a machine does not do as ordered
@@ -180,7 +180,7 @@ class Manager:
         for host in self._orders.hosts[report.machine]:
             if host.name in told:
                 self._tell(host.name, told[host.name])
-            elif self._board.newest(PROCESS, host.name) is not None:
+            elif self._boards[0].newest(PROCESS, host.name) is not None:
                 self._tell(host.name, ProcessStatus(state="stopped", machine=report.machine, last_line=report.why))
 
     def _differs(self, report: AgentReport) -> bool:
@@ -224,9 +224,10 @@ class Manager:
         )
 
     def _tell(self, name: str, status: ProcessStatus) -> None:
-        standing = self._board.newest(PROCESS, name)
-        if standing is None or standing.value != status:
-            self._board.post(PROCESS, status, id=name, source=SOURCE)
+        for board in self._boards:
+            standing = board.newest(PROCESS, name)
+            if standing is None or standing.value != status:
+                board.post(PROCESS, status, id=name, source=SOURCE)
 
 
 def _status(process: ProcessReport) -> ProcessStatus:

@@ -7,15 +7,16 @@ import contextlib
 import os
 import platform
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from queue import Empty
+from queue import Empty, SimpleQueue
 
 from blackboard.assembly import Assembly
+from blackboard.board import Board
 from blackboard.entry import Entry
 from blackboard.kinds import DRIVE, MISSION
 from blackboard.link.lanes import Lane
-from blackboard.link.replica import Replica
+from blackboard.link.replica import Item, Replica
 from blackboard.link.session import LinkParams, Session, open_session
 from blackboard.messages.motion import Drive
 from blackboard.processes.ground import keeper_status
@@ -30,40 +31,53 @@ LANES: tuple[Lane, ...] = ("command", "knowledge", "control")  # readings and ma
 class Overseer:
     """A mission under way. Use `running` around it; `step` goes once round the loop."""
 
-    def __init__(self, link: LinkParams, assembly: Assembly, orders: MissionOrders, name: str, version: str) -> None:
+    def __init__(
+        self,
+        link: LinkParams,
+        assembly: Assembly,
+        orders: MissionOrders,
+        name: str,
+        version: str,
+        others: Sequence[Assembly] = (),
+    ) -> None:
+        """`assembly` is that of the mission's robot, the first of several; `others` are those of the rest."""
         self.link = link
         self.assembly = assembly
+        self.others = others
         self.orders = orders
         self.name = name
         self.began_s = time.monotonic()
         self.moved_s: float | None = None  # monotonic, when the robot was first driven
         self.local: LocalAgent | None = None
-        self.journal: Path | None = None  # of a keeper that was there before, where it is on this machine
+        self.journals: dict[str, Path] = {}  # of a keeper that was there before, by robot, where it is on this machine
         self._version = version
         self._beaten_s = float("-inf")
 
     @contextlib.contextmanager
     def running(self) -> Iterator[None]:
         """Join the board and order everything; at the end everything is stopped."""
-        robot = self.assembly.robot.description.name
-        with open_session(self.link) as session:
-            replica = Replica(session, self.assembly.vocabulary, robot, "manager", lanes=LANES)
+        with contextlib.ExitStack() as closing:
+            session = closing.enter_context(open_session(self.link))
+            queue: SimpleQueue[Item] = SimpleQueue()
+            replicas = []
+            for assembly in (self.assembly, *self.others):
+                robot = assembly.robot.description.name
+                replicas.append(Replica(session, assembly.vocabulary, robot, "manager", lanes=LANES, queue=queue))
+                closing.callback(replicas[-1].close)
+            self._join(session, replicas)
             try:
-                self._join(session, replica)
                 yield
             finally:
-                try:
-                    self._end()
-                finally:
-                    replica.close()
+                self._end()
 
     def step(self, wait_s: float = 0.1) -> None:
         """Wait for something to happen, at most so long, and do what is due. Raises LinkError where the agent cannot run."""
         now_s = time.monotonic()
         if now_s - self._beaten_s >= BEAT_S:
             self._beaten_s = now_s
-            self.replica.beat(("manager",), self.orders.machine, self._version)
-            self.replica.tend()
+            for replica in self._replicas:
+                replica.beat(("manager",), self.orders.machine, self._version)
+                replica.tend()
             if self.local is not None and not self._ending:
                 self.local.tend(now_s)
         self.manager.tend()
@@ -72,7 +86,8 @@ class Overseer:
             while True:
                 self.replica.handle(item)
                 item = self.replica.queue.get_nowait()
-        self.replica.board.now_s = max(self.replica.board.now_s, self.replica.now_s())
+        for replica in self._replicas:
+            replica.board.now_s = max(replica.board.now_s, replica.now_s())
 
     @property
     def elapsed_s(self) -> float:
@@ -81,17 +96,25 @@ class Overseer:
 
     @property
     def over(self) -> bool:
-        """Say whether the mission has come to its end by its own word."""
-        status = self.replica.board.newest(MISSION)
-        return status is not None and status.value.state != "underway"
+        """Say whether the mission has come to its end by its own word, for every robot."""
+        standing = [replica.board.newest(MISSION) for replica in self._replicas]
+        return all(status is not None and status.value.state != "underway" for status in standing)
 
-    def _join(self, session: Session, replica: Replica) -> None:
-        self.replica = replica
+    @property
+    def boards(self) -> dict[str, Board]:
+        """The boards, by robot."""
+        return {replica.board.robot: replica.board for replica in self._replicas}
+
+    def _join(self, session: Session, replicas: list[Replica]) -> None:
+        self._replicas, self.replica = replicas, replicas[0]
+        replica = self.replica
         self._session = session
         self._ending = False
         replica.board.subscribe(replica.board.key(DRIVE), self._note_drive)
-        replica.join()
-        self.manager = Manager(session, self.orders, replica.board, replica.queue.put, name=self.name)
+        for each in replicas:
+            each.join()
+        boards = list(self.boards.values())
+        self.manager = Manager(session, self.orders, boards, replica.queue.put, name=self.name)
 
     def _end(self) -> None:
         self._ending = True
@@ -102,7 +125,7 @@ class Overseer:
         if self.orders.keeper_folder is None:
             status = keeper_status(self._session, self.link.address)
             if status.machine == platform.node():
-                self.journal = next((Path(b.journal) for b in status.boards if b.robot == self.orders.robot), None)
+                self.journals = {b.robot: Path(b.journal) for b in status.boards if b.robot in self.boards}
 
     def _note_drive(self, entry: Entry[Drive]) -> None:
         if self.moved_s is None and (entry.value.forward_mps or entry.value.turn_radps):

@@ -1,6 +1,7 @@
 """Makes the output folder ready before a run, so that a long run never ends at a folder that cannot be written."""
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from blackboard.errors import OutputError
@@ -44,6 +45,13 @@ def prepare_output_folder(folder: Path, force: bool = False) -> None:
         raise OutputError(f"output folder {folder} lies below a file; give another --out") from None
     except OSError as error:
         raise unwritable(folder, error) from None
+
+
+def prepare_team_folder(folder: Path, robots: Sequence[str], force: bool = False) -> None:
+    """Make the folder of a run of several robots ready likewise, and one in it for each robot."""
+    prepare_output_folder(folder, force)
+    for name in robots:
+        prepare_output_folder(folder / name, force)
 
 
 def unwritable(path: Path, error: OSError) -> OutputError:

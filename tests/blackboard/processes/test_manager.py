@@ -30,7 +30,7 @@ class Loop:
         orders = orders_of(
             PLANS, mission="explore-lab", robot="k2a", machine="desk", seed=3, pace=2.0, settings=["a.b=1"]
         )
-        self.manager = Manager(session, orders, self.board, self._queue.put)
+        self.manager = Manager(session, orders, [self.board], self._queue.put)
 
     def until(self, holds: Callable[[], Any]) -> None:
         for _ in range(100):
