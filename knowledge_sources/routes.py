@@ -105,6 +105,7 @@ class Routes(KnowledgeSource[RoutesParams]):
             return
         robot, found = board.newest(ROBOT), map_from_robot_at(board, board.now_s)
         if robot is None or found is None:
+            self._asked = NOBODY_ASKED if self._asked is None else self._asked  # the next tile asks again
             return
         pose, poses = found
         here = (pose.x_m, pose.y_m)

@@ -84,6 +84,19 @@ class House:
         return {str(entry.id): entry.value for entry in self.board.entries(TRAVEL)}
 
 
+def test_a_way_that_could_not_be_sought_since_no_pose_was_near_in_time_is_sought_with_the_next_tile():
+    house = House()
+    house.board.now_s += 5.0  # the newest pose is five seconds old
+    assert house.ask(1, 7.0, 3.0) is None
+    by_tile = next(trigger for trigger in house.routes.triggers if trigger.kind is GRID)
+    assert by_tile.when is not None
+    assert by_tile.when(house.board.entries(GRID)[0])
+    house.at(1.0, 3.0)
+    route = house.look()
+    assert route is not None
+    assert route.state == "found"
+
+
 def test_a_route_leads_through_the_door_and_says_where_it_is_narrow() -> None:
     house = House()
     assert house.look() is None  # nobody asked
