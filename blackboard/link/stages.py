@@ -34,6 +34,11 @@ def mission_over(board: Board) -> bool:
     return status is not None and status.value.state != "underway"
 
 
+def _ends(assembly: Assembly) -> bool:
+    """Say whether everything stands still when the robot's mission is over: one of several robots keeps out of the others' way."""
+    return not assembly.mission.robot.of
+
+
 class RobotStage:
     """The robot and its safety layer, in cycles of the mission's clock."""
 
@@ -41,6 +46,7 @@ class RobotStage:
         self.board = board
         self.robot: Robot[Any] = assembly.robot
         self.step_s = assembly.mission.params.step_s
+        self._ends = _ends(assembly)
         self._safety = (
             SafetyWatch(board, assembly.safety, strict=strict) if assembly.safety and assembly.robot.moves else None
         )
@@ -80,7 +86,7 @@ class RobotStage:
         board = self.board
         now_s = self.next_s
         self._cycle += 1
-        if mission_over(board):
+        if self._ends and mission_over(board):
             self.robot.drive(_stand())
             return
         source = self.robot.name
@@ -140,6 +146,7 @@ class BehaviourStage:
             strict=strict,
         )
         self._step_s = assembly.mission.params.step_s
+        self._ends = _ends(assembly)
         self._answered: Entry[CycleBeat] | None = None
         self._answered_s = float("-inf")
 
@@ -164,7 +171,7 @@ class BehaviourStage:
         """Answer the newest readings."""
         self._answered = self.board.newest(CYCLE)
         self._answered_s = self.board.now_s
-        if mission_over(self.board):
+        if self._ends and mission_over(self.board):
             return
         standing = self.board.newest(VELOCITY)
         wanted = self._reflexes.respond()

@@ -98,3 +98,33 @@ def test_it_is_not_put_into_a_wall() -> None:
         lost.resume(None, access(board))
         drive(lost, 1.0, 1.2)
         assert lost.summary()["collisions"] == 0
+
+
+@pytest.mark.parametrize("killed_s", [0.5, 6.0, 12.3])
+def test_robots_of_one_world_go_on_as_if_nothing_had_happened(killed_s: float) -> None:
+    def pair() -> tuple[SimulatedRobot, SimulatedRobot]:
+        starts = {"east": (5.0, 2.4), "west": (3.5, 2.4)}  # the second drives into the first
+        east, west = (
+            SimulatedRobot(SimulatedRobotParams(start_x_m=x_m, start_y_m=y_m, people=True), name=name, seed=3)
+            for name, (x_m, y_m) in starts.items()
+        )
+        west.join(east)
+        return east, west
+
+    def both(robots: tuple[SimulatedRobot, SimulatedRobot], start_s: float, end_s: float) -> list[Reading[Any]]:
+        said = []
+        for step in range(round(start_s * 10) + 1, round(end_s * 10) + 1):
+            robots[0].drive(Drive(forward_mps=0.0, turn_radps=0.3, limited_by="nothing"))
+            robots[1].drive(Drive(forward_mps=0.4, turn_radps=0.0, limited_by="nothing"))
+            for it in robots:
+                said += list(it.advance(step / 10))
+        return said
+
+    first, second = pair(), pair()
+    both(first, -0.1, killed_s)
+    states = [loaded(dumped(it.state()), Vocabulary()) for it in first]
+    for it, state in zip(second, states, strict=True):
+        it.resume(state, access(Board(Vocabulary())))
+    assert both(second, killed_s, killed_s + 6.0) == both(first, killed_s, killed_s + 6.0)
+    assert [it.summary() for it in second] == [it.summary() for it in first]
+    assert any(it.summary()["met_robots"] for it in first)

@@ -10,11 +10,19 @@ from typing import Any
 import msgspec
 import pytest
 
+from blackboard.assembly import assemble
+from blackboard.board import Board
 from blackboard.errors import MissionError
 from blackboard.keeper.service import Keeper
+from blackboard.kinds import CYCLE, VELOCITY
+from blackboard.kinds import MISSION as MISSION_STATUS
 from blackboard.link.host import Host, HostOptions
 from blackboard.link.session import Arrived, LinkParams, Session, open_session
+from blackboard.link.stages import Stages
+from blackboard.members import members
+from blackboard.messages.motion import MissionStatus
 from blackboard.mission import Mission, load_mission
+from blackboard.placement import HostPlan
 from blackboard.vocabulary import Vocabulary
 
 LONG_S = 20.0  # only where something never happens
@@ -153,3 +161,22 @@ def test_a_robot_without_its_behaviours_stands_and_the_other_goes_on(
 def test_a_host_that_is_none_is_named(mission: Mission, link: LinkParams) -> None:
     with pytest.raises(MissionError, match=r"there is no host 'behaviours'; there are robot, east\.behaviours"):
         Host(mission, "behaviours", HostOptions(link=link))
+
+
+@pytest.mark.parametrize(("robots", "goes_on"), [(2, True), (1, False)])
+def test_one_of_several_robots_that_is_at_its_end_keeps_out_of_the_others_way(
+    mission: Mission, tmp_path: Path, robots: int, goes_on: bool
+) -> None:
+    if robots == 1:
+        (tmp_path / "one.toml").write_text(MISSION.partition("\n\n")[0] + "\n\n" + MISSION[MISSION.index("[[beh") :])
+        mission = load_mission(tmp_path / "one.toml")
+    assembly = assemble(members(mission)[0])
+    board = Board(assembly.vocabulary, robot="east")
+    stages = Stages(board, assembly, HostPlan(name="all", robot=True, behaviours=True))
+    board.post(MISSION_STATUS, MissionStatus(state="done"), source="rules")
+    assert stages.robot is not None
+    for _ in range(3):
+        stages.robot.cycle()
+        stages.work()
+    assert (board.newest(CYCLE) is not None) == goes_on
+    assert (board.newest(VELOCITY) is not None) == goes_on
