@@ -17,6 +17,7 @@ CONNECTIONS = {  # why zenoh says that a connection failed, and what we call it
     b"certificate expired": "expired certificate",
     b"key usage": "wrong certificate",
     b"InvalidContentType": "plain connection",
+    b"handshake eof": "unfinished connection",
 }
 MESSAGES = {  # what zenoh calls a message (the first of these words that it holds), and what we call it
     b"Token": "liveliness",

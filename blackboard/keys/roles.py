@@ -18,6 +18,7 @@ READABLE = (  # a verbatim chunk (@...) is matched by no wildcard, so each stand
     "ski/@agents/**",
     "ski/@manager/**",
 )
+MANAGER = "manager"  # the host that `ski up` is while it says how the processes of its mission fare
 ASKABLE = ("ski/**", "ski/@keeper/**", *(f"ski/*/@keeper/{what}" for what in ("clock", "snapshot", "lost")))
 
 # What a role posts, below ski/<robot>/. A viewer posts nothing.
@@ -35,14 +36,14 @@ POSTS: dict[str, tuple[str, ...]] = {
         "hypotheses/**",
         "motivations/**",
         "control/**",
-        *(f"status/{name}/**" for name in ("mission", "behaviour", "component", "communication_error")),
+        *(f"status/{name}/**" for name in ("mission", "process", "behaviour", "component", "communication_error")),
         "commands/velocity",
     ),
     "robot": (
         "observations/signal/**",
         "commands/**",
         "control/switch/**",
-        *(f"status/{name}/**" for name in ("robot", "behaviour", "component")),
+        *(f"status/{name}/**" for name in ("robot", "robot_summary", "true_pose", "behaviour", "component")),
     ),
     "knowledge": (
         "observations/feature/**",
@@ -80,7 +81,8 @@ def rights(member: Member) -> Rights:
         return Rights()
     robot = member.robot or "*"
     posts = tuple(dict.fromkeys(path for role in member.roles for path in POSTS[role]))
-    hosts = tuple(f"ski/{robot}/@hosts/{host}" for host in member.hosts)
+    manager = (MANAGER,) if "operator" in member.roles else ()
+    hosts = tuple(f"ski/{robot}/@hosts/{host}" for host in (*member.hosts, *manager))
     puts = [f"ski/{robot}/{path}" for path in posts] + [f"{host}/**" for host in hosts]
     asks = [*ASKABLE, *(f"ski/{robot}/@late/{path}" for path in posts)]
     announces = [f"{host}/**" for host in hosts]
