@@ -11,6 +11,8 @@ from types import ModuleType
 from blackboard.errors import KeysError
 from blackboard.keys.members import ROLES, Member
 from blackboard.keys.roles import MEANINGS
+from blackboard.link.address import DEFAULT_ADDRESS
+from blackboard.link.configuration import client_configuration
 
 EXPIRES_SOON_DAYS = 30
 
@@ -50,6 +52,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     listing = actions.add_parser(
         "list", help="show the keeper and all members, their roles and until when their keys count"
     )
+    config = actions.add_parser(
+        "config", help="print zenoh's configuration for other zenoh tools that show a member's keys"
+    )
+    config.add_argument("folder", type=Path, metavar="DIR/members/NAME", help="the member's folder")
+    config.add_argument(
+        "--connect", default=DEFAULT_ADDRESS, metavar="ADDRESS", help="the keeper's address (default: %(default)s)"
+    )
     for below in (renew, revoke, listing):
         below.add_argument("folder", type=Path, metavar="DIR", help="the folder that `ski keys init` made")
     for below in (renew, revoke):
@@ -61,6 +70,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def call(options: argparse.Namespace) -> int:
     """Run the verb."""
+    if options.action == "config":
+        _say(json.dumps(client_configuration(options.connect, options.folder.absolute()), indent=2))
+        return 0
     folder = _folder_module()
     now = datetime.datetime.now(datetime.UTC)
     path: Path = options.folder
