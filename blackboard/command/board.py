@@ -5,7 +5,6 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -80,7 +79,11 @@ def _serve(options: argparse.Namespace) -> int:
 
     parse_address(options.connect)
     sys.setswitchinterval(0.0005)  # the clock is asked on other threads, and must be answered at once
-    vocabulary = mission_vocabulary(options.mission)
+    vocabulary = Vocabulary()
+    if options.mission:
+        from blackboard.keeper.mission_kinds import mission_vocabulary
+
+        vocabulary = mission_vocabulary(options.mission)
     link = LinkParams(address=options.connect, keys=options.keys)
     rejections = Rejections(tell=_rejected)
     keeper = Keeper(link, options.folder, vocabulary, fresh=options.fresh, tell=_tell, rejected=rejections.told)
@@ -103,21 +106,6 @@ def _serve(options: argparse.Namespace) -> int:
         keeper.close()
         rejections.close()
     return 0
-
-
-def mission_vocabulary(names: Sequence[str]) -> Vocabulary:
-    """Return the kinds of all missions together; raise MissionError or BoardError where they do not fit."""
-    if not names:
-        return Vocabulary()
-    from blackboard.assembly import assemble
-    from blackboard.mission import find_mission, load_mission
-
-    kinds = []
-    for name in names:
-        assembly = assemble(load_mission(find_mission(name)))
-        kinds += list(assembly.vocabulary)
-        assembly.robot.close()
-    return Vocabulary(kinds)
 
 
 def _status(options: argparse.Namespace) -> int:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import msgspec
 
-from blackboard.command.board import mission_vocabulary
 from blackboard.command.connection import add_connection_options, link_params
 from blackboard.errors import BoardError, KeysError, LinkError
+from blackboard.keeper.mission_kinds import mission_vocabulary
 from blackboard.keeper.status import KeeperStatus
 from blackboard.keys.members import read_member
 from blackboard.keys.roles import may_put

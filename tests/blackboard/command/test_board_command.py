@@ -7,7 +7,6 @@ import subprocess
 import sys
 from queue import SimpleQueue
 
-import msgspec
 import pytest
 
 from blackboard.board import Board
@@ -154,24 +153,3 @@ def test_refusals_are_one_line(serve, address, tmp_path, capsys):
     assert len(lines) == 4
     assert "keys" in lines[0]
     assert "no keeper answers" in lines[3]
-
-
-def test_kinds_of_missions_that_are_named_are_known(tmp_path):
-    from blackboard.command.board import mission_vocabulary
-
-    (tmp_path / "mug.py").write_text(
-        "from blackboard.component import KnowledgeSource\n"
-        "from blackboard.kinds import SONAR_SCAN, slot\n"
-        "from blackboard.messages.base import Message\n"
-        "class Mug(Message, frozen=True, kw_only=True):\n    full: bool\n"
-        "MUG = slot('observations/symbol/mug', Mug, 'a mug')\n"
-        "class MugSource(KnowledgeSource):\n"
-        "    triggers = (SONAR_SCAN,)\n    posts = (MUG,)\n"
-        "    def activate(self, trigger, board):\n        pass\n"
-    )
-    mission = tmp_path / "mugs.toml"
-    mission.write_text(
-        '[robot]\nuse = "sim.simulated:SimulatedRobot"\n[[knowledge_source]]\nuse = "mug.py:MugSource"\n'
-    )
-    assert mission_vocabulary([str(mission), "explore-lab"]).at("observations/symbol/mug").name == "mug"
-    assert msgspec.json.encode(sorted(mission_vocabulary([]).schemas())).count(b"mug") == 0
