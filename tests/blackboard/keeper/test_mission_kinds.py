@@ -1,8 +1,10 @@
 import pytest
 
 from blackboard.assembly import assemble
+from blackboard.component import Component
 from blackboard.errors import MissionError
 from blackboard.keeper.mission_kinds import mission_vocabulary, uses
+from blackboard.loading import load_class
 from blackboard.mission import load_mission, shipped_missions
 from blackboard.toml_file import read_toml
 from blackboard.vocabulary import Vocabulary
@@ -43,10 +45,10 @@ def test_kinds_that_a_missions_own_components_bring_are_known(tmp_path):
 def test_shipped_components_bring_no_kinds_of_their_own():
     core = [kind.path for kind in Vocabulary()]
     for path in shipped_missions().values():
-        mission = load_mission(path)
-        for spec in (*mission.knowledge_sources, *mission.behaviours, mission.robot):
-            declared = [*spec.type.reads, *getattr(spec.type, "posts", ()), *getattr(spec.type, "provides", ())]
-            assert {kind.path for kind in declared} <= set(core), spec.type
+        for use in uses(read_toml(path).data):
+            type_ = load_class(use, Component, where=str(path), folder=path.parent)
+            declared = [kind for what in ("reads", "posts", "provides") for kind in getattr(type_, what, ())]
+            assert {kind.path for kind in declared} <= set(core), use
     assert [kind.path for kind in assemble(load_mission(shipped_missions()["explore-lab"])).vocabulary] == core
     assert [kind.path for kind in mission_vocabulary(list(shipped_missions()))] == core
 
