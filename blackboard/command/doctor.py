@@ -41,7 +41,9 @@ def call(options: argparse.Namespace) -> int:
         coordinator = (
             mission.coordinator.name if mission.coordinator is not None else ""
         )  # it comes with the behaviours
-        expected = {name: host for name, host in hosts_of(mission).items() if name != coordinator}
+        for robot in [spec.name for spec in mission.team] or [""]:
+            hosts = hosts_of(mission, robot)
+            expected |= {f"{robot}/{name}": host for name, host in hosts.items() if name != coordinator}
     facts = gather(link_params(options), options.duration_s, expected)
     found = findings(facts)
     if options.json:

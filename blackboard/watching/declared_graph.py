@@ -67,12 +67,16 @@ def _reflexes(assembly: Assembly) -> list[Member]:
     return members
 
 
-def hosts_of(mission: Mission) -> dict[str, str]:
-    """Return where each component runs, by its name."""
+def hosts_of(mission: Mission, robot: str = "") -> dict[str, str]:
+    """Return where each component runs, by its name: those of one robot, the first unless said, where there are several."""
     found: dict[str, str] = {}
+    robot = robot or mission.robot.name
     for plan in placement(mission):
+        if plan.of not in ("", robot):
+            continue
         if plan.robot:
-            found |= {spec.name: plan.name for spec in (mission.robot, mission.safety) if spec is not None}
+            found[robot] = plan.name
+            found |= {mission.safety.name: plan.name} if mission.safety is not None else {}
         if plan.behaviours:
             found |= {spec.name: plan.name for spec in mission.behaviours}
             found |= {mission.coordinator.name: plan.name} if mission.coordinator is not None else {}

@@ -80,11 +80,12 @@ def component_findings(facts: SetupFacts, params: DoctorParams) -> Iterator[Find
                 what=f"{component} of {robot} runs in {' and '.join(sorted(names))}: each posts over the other",
                 do="stop one of them, or name it in one [hosts] table only",
             )
-    told = {component for host in facts.hosts if host.state == "dead" for component in host.components}
-    running = {component for _, component in at} | told
+    told = {(host.robot, component) for host in facts.hosts if host.state == "dead" for component in host.components}
+    running = at.keys() | told
     missing: dict[str, list[str]] = {}
-    for component, name in facts.expected.items():
-        if component not in running:
+    for key, name in facts.expected.items():
+        robot, _, component = key.rpartition("/")
+        if not any(there == component and robot in ("", where) for where, there in running):
             missing.setdefault(name, []).append(component)
     for name, components in sorted(missing.items()):
         yield Finding(

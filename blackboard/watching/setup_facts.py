@@ -92,4 +92,6 @@ class SetupFacts:
     keeper: KeeperFacts | None = None
     robots: tuple[RobotFacts, ...] = ()
     hosts: tuple[HostFacts, ...] = ()
-    expected: Mapping[str, str] = field(default_factory=dict)  # components of a mission that should run: their hosts
+    expected: Mapping[str, str] = field(
+        default_factory=dict
+    )  # hosts that should run components: by the component's name, or by robot and name, `east/rules`

@@ -139,6 +139,13 @@ def test_who_runs_what() -> None:
     assert [f.about for f in findings(replace(SOUND, hosts=()))] == ["no hosts"]
 
 
+def test_of_several_robots_each_is_to_have_its_own() -> None:
+    here, there = f"{SOURCES.robot}/eou_grid", "other/eou_grid"
+    assert findings(replace(SOUND, expected={here: "sources"})) == []
+    found = the_one(replace(SOUND, expected={here: "sources", there: "other.sources"}))
+    assert found.what == "nobody runs eou_grid, which host other.sources should"
+
+
 def test_a_component_that_failed() -> None:
     found = the_one(with_board(failed={"line_finder": "ValueError: no"}))
     assert (found.about, "line_finder of k2a has failed and is left out: ValueError: no" in found.what) == (
