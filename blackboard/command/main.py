@@ -17,7 +17,7 @@ VERBS = {
     "get": "print what stands on a running board",
     "post": "post on a running board",
     "doctor": "find what is wrong with a running setup, and say what to do",
-    "graph": "show who posts and reads what in a mission",
+    "graph": "show who posts and reads what in a mission, a run or a running board",
     "vocabulary": "print every kind of entry, with its JSON Schema",
     "why": "explain an entry of a run, down to the readings",
     "find": "find objects of a run by kind, place, name or description, and what a place is part of",

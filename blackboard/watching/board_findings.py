@@ -61,11 +61,11 @@ def _silent(robot: RobotFacts, clock_s: float, linked: list[HostFacts], params: 
     for source in robot.activations:
         host = next((host for host in linked if source.name in host.components), None)
         silent_s = clock_s - source.stamp_s
-        if host is not None and source.wakers_came and _is_silent(source, silent_s, params):
+        if host is not None and source.wakers_came and not source.rests and _is_silent(source, silent_s, params):
             yield Finding(
                 about="silent source",
                 what=f"{source.name} in {host.called} has done nothing for {silent_s:.0f} s, though {source.woken_by} comes",
-                do="`ski get control/agenda` shows what waits before it, `ski get control/focus` whether a rule lets it rest",
+                do="`ski get control/agenda` shows what waits before it; if nothing does, start its host again",
             )
 
 

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 from blackboard.kinds import LEVELLED_PANELS, LEVELS, PANELS
 
-Role = Literal["robot", "knowledge source", "rules", "behaviour", "coordinator", "safety layer", "control"]
+Role = Literal["robot", "knowledge source", "rules", "behaviour", "coordinator", "safety layer", "control", "keeper"]
 ROLES: tuple[Role, ...] = (  # in the order of the data
     "robot",
     "knowledge source",
@@ -15,6 +15,7 @@ ROLES: tuple[Role, ...] = (  # in the order of the data
     "coordinator",
     "safety layer",
     "control",
+    "keeper",
 )
 
 

@@ -20,6 +20,7 @@ from blackboard.kinds import (
     ACTIVATION,
     COMMUNICATION_ERROR,
     COMPONENT,
+    FOCUS,
     HOST,
     LEVELLED_PANELS,
     MISSION,
@@ -37,7 +38,7 @@ from blackboard.watching.probe import connects, tls_trouble
 from blackboard.watching.setup_facts import HostFacts, KeeperFacts, RobotFacts, SetupFacts, StreamFacts
 
 READINGS = "observations/signal"
-ASKED = ("status/**", f"{ACTIVATION.path}/*", f"{RULE_ERROR.path}/*", f"{READINGS}/**")
+ASKED = ("status/**", f"{ACTIVATION.path}/*", f"{FOCUS.path}/*", f"{RULE_ERROR.path}/*", f"{READINGS}/**")
 VERSION = version("sensory-knowledge-integrator")
 
 
@@ -143,6 +144,7 @@ def _keeper(status: KeeperStatus) -> KeeperFacts:
 
 def _robot(board: BoardStatus, entries: Iterable[tuple[str, str, Entry[Any]]], counts: Counter[str]) -> RobotFacts:
     ours = [(path, entry) for robot, path, entry in entries if robot == board.robot]
+    resting = {str(entry.id) for path, entry in ours if path == FOCUS.path and not entry.value.enabled}
     return RobotFacts(
         name=board.robot,
         clock_s=board.now_s,
@@ -159,6 +161,7 @@ def _robot(board: BoardStatus, entries: Iterable[tuple[str, str, Entry[Any]]], c
                 stamp_s=entry.stamp_s,
                 woken_by=_path(entry.value.trigger_key).partition("/")[2],
                 wakers_came=counts[_path(entry.value.trigger_key)],
+                rests=str(entry.id) in resting,
             )
             for path, entry in ours
             if path == ACTIVATION.path

@@ -11,4 +11,5 @@ ROLE_COLOURS: dict[Role, palette.Colour] = {
     "coordinator": palette.CORNER_COLOUR,
     "safety layer": palette.BEHAVIOUR_COLOURS[1],
     "control": palette.FAINT_INK,
+    "keeper": palette.FAINT_INK,
 }

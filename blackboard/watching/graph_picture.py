@@ -73,7 +73,7 @@ def graph_figure(graph: BoardGraph) -> Figure:
         va="center",
         parse_math=False,
     )
-    _draw_legend(axes, x_from + EDGE_IN / COLUMN_IN, down + 1.2)
+    _draw_legend(axes, graph, x_from + EDGE_IN / COLUMN_IN, down + 1.2)
     return figure
 
 
@@ -136,13 +136,13 @@ def _draw_members(axes: "Axes", graph: BoardGraph, rows: dict[str, float], title
                 )
 
 
-def _draw_legend(axes: "Axes", left: float, y: float) -> None:
+def _draw_legend(axes: "Axes", graph: BoardGraph, left: float, y: float) -> None:
     ink, paper = palette.rgb(palette.INK), palette.rgb(palette.PAPER)
     x = left + 0.3
     for marker, face, words in (("s", ink, "posts"), ("o", ink, "is woken by"), ("o", paper, "reads")):
         axes.add_line(Line2D([x], [y], marker=marker, color=face, markeredgecolor=ink, markersize=MARK_PT))
         axes.text(x + 0.5, y, words, fontsize=FONT_PT, color=ink, va="center")
         x += 1.3 + len(words) * LETTER_IN / COLUMN_IN
-    for role, colour in ROLE_COLOURS.items():
-        axes.text(x, y, role, fontsize=FONT_PT, color=palette.rgb(colour), va="center")
+    for role in dict.fromkeys(one.role for one in graph.members):
+        axes.text(x, y, role, fontsize=FONT_PT, color=palette.rgb(ROLE_COLOURS[role]), va="center")
         x += 0.7 + len(role) * LETTER_IN / COLUMN_IN

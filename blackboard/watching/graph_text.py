@@ -13,6 +13,7 @@ PLURALS = {
     "coordinator": "coordinator",
     "safety layer": "safety layer",
     "control": "control module",
+    "keeper": "board keeper",
 }
 
 

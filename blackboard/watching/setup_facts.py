@@ -59,6 +59,7 @@ class StreamFacts:
     stamp_s: float  # of the last time
     woken_by: str = ""  # the kind that wakes it, of a knowledge source
     wakers_came: int = 0  # entries of that kind, while the doctor listened
+    rests: bool = False  # because a rule says so
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

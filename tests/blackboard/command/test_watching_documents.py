@@ -1,5 +1,6 @@
 """The commands that `docs/watching.md` prints work as they stand there, but for the port."""
 
+import json
 import re
 import shlex
 import subprocess
@@ -61,6 +62,10 @@ def test_zenohs_own_tools(
         said = first_line(command.replace(DEFAULT_ADDRESS, address), plugged_in)
         assert "ski/" in said, command
         assert len(said) < 400 or "json" in command, command
+    assert main(["graph", "--connect", address, "--json"]) == 0
+    graph = json.loads(capsys.readouterr().out)
+    assert graph["members"]["odometry_pose"]["host"] == "knowledge_sources"
+    assert graph["kinds"]["observations/feature/odom_from_robot"]["posted_by"] == ["odometry_pose"]
 
 
 def test_posting(
