@@ -38,7 +38,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add.add_argument("roles", metavar="ROLE[,ROLE...]", help=f"what it may do: {', '.join(ROLES)}")
     add.add_argument("name", metavar="NAME", help="the member's name; an agent's is that of its machine")
     add.add_argument(
-        "--robot", metavar="NAME", help="the one robot that it may post for (default: every robot; needed for a robot)"
+        "--robot",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="the robot that it may post for; may be given again (default: every robot; needed for a robot)",
     )
     add.add_argument(
         "--hosts",
@@ -84,7 +88,7 @@ def call(options: argparse.Namespace) -> int:
         case "add":
             roles = [role for role in options.roles.split(",") if role]
             made = folder.add(
-                path, roles, options.name, now, robot=options.robot, hosts=options.hosts, days=options.days
+                path, roles, options.name, now, robots=options.robot, hosts=options.hosts, days=options.days
             )
             _say(f"wrote {made}; copy it to where {options.name} runs, and name it there with --keys\n{_RESTART}")
         case "renew":
@@ -118,11 +122,11 @@ def _folder_module() -> ModuleType:
 
 
 def _table(members: list[Member], now: datetime.datetime) -> str:
-    rows = [("name", "roles", "robot", "hosts", "expires", "state")]
+    rows = [("name", "roles", "robots", "hosts", "expires", "state")]
     for member in members:
-        roles, hosts = ",".join(member.roles), ",".join(member.hosts)
+        roles, robots, hosts = (",".join(names) or "-" for names in (member.roles, member.robots, member.hosts))
         state = _state(member, now)
-        rows.append((member.name, roles, member.robot or "-", hosts or "-", f"{member.expires:%Y-%m-%d}", state))
+        rows.append((member.name, roles, robots, hosts, f"{member.expires:%Y-%m-%d}", state))
     widths = [max(len(row[i]) for row in rows) for i in range(6)]
     return "\n".join(
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
@@ -133,7 +137,7 @@ def _row(member: Member, now: datetime.datetime) -> dict[str, object]:
     return {
         "name": member.name,
         "roles": list(member.roles),
-        "robot": member.robot,
+        "robots": list(member.robots),
         "hosts": list(member.hosts),
         "expires": member.expires.isoformat(),
         "state": _state(member, now),

@@ -44,14 +44,14 @@ def add(
     name: str,
     now: datetime.datetime,
     *,
-    robot: str | None = None,
+    robots: Iterable[str] = (),
     hosts: Iterable[str] = (),
     days: int = DAYS,
 ) -> Path:
     """Make a member's keys; return the folder to copy to its machine. The name of one that was revoked may come back."""
     _check_days(days)
     members = read_members(path)
-    member = new_member(name, roles, now, robot, hosts)
+    member = new_member(name, roles, now, robots, hosts)
     before = members.get(name)
     if name == KEEPER_NAME:
         raise KeysError(f"'{name}' is the keeper's own name; give the member another one")

@@ -27,7 +27,7 @@ class Member(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     name: str
     roles: tuple[str, ...]
-    robot: str | None = None  # None: it may post for every robot
+    robots: tuple[str, ...] = ()  # that it may post for; none named: every one
     hosts: tuple[str, ...] = ()  # the hosts that it may run as
     generation: Annotated[int, msgspec.Meta(ge=1)] = 1
     expires: datetime.datetime
@@ -40,10 +40,20 @@ class Member(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 def new_member(
-    name: str, roles: Iterable[str], expires: datetime.datetime, robot: str | None = None, hosts: Iterable[str] = ()
+    name: str,
+    roles: Iterable[str],
+    expires: datetime.datetime,
+    robots: Iterable[str] = (),
+    hosts: Iterable[str] = (),
 ) -> Member:
     """Return a member whose parts fit together; raise KeysError where they do not."""
-    member = Member(name=name, roles=tuple(dict.fromkeys(roles)), robot=robot, hosts=tuple(hosts), expires=expires)
+    member = Member(
+        name=name,
+        roles=tuple(dict.fromkeys(roles)),
+        robots=tuple(dict.fromkeys(robots)),
+        hosts=tuple(dict.fromkeys(hosts)),
+        expires=expires,
+    )
     if not member.hosts and set(HOSTING) & set(member.roles):
         member = msgspec.structs.replace(member, hosts=(name,))
     problem = _problem(member)
@@ -53,16 +63,19 @@ def new_member(
 
 
 def _problem(member: Member) -> str | None:
-    named = [("name", member.name), *(("host", host) for host in member.hosts)]
-    for what, text in [*named, ("robot", member.robot)] if member.robot is not None else named:
-        if _NAME.fullmatch(str(text)) is None:
+    for what, text in [
+        ("name", member.name),
+        *(("robot", robot) for robot in member.robots),
+        *(("host", host) for host in member.hosts),
+    ]:
+        if _NAME.fullmatch(text) is None:
             return f"{what} '{text}': use letters, digits, '_', '-' and '.', a letter or digit first, at most 40"
     if not member.roles:
         return f"{member.name} has no role; give it one of {', '.join(ROLES)}"
     for role in member.roles:
         if role not in ROLES:
             return f"there is no role '{role}'{did_you_mean(role, ROLES)}"
-    if "robot" in member.roles and member.robot is None:
+    if "robot" in member.roles and not member.robots:
         return f"{member.name}: a robot posts under its own name only; add `--robot NAME`"
     if member.hosts and not set(HOSTING) & set(member.roles):
         return f"{member.name}: a {' and '.join(member.roles)} runs no hosts; leave `--hosts` out"

@@ -79,16 +79,16 @@ def rights(member: Member) -> Rights:
     """Return what a member may do beside reading; nothing where it was revoked."""
     if member.revoked:
         return Rights()
-    robot = member.robot or "*"
+    robots = member.robots or ("*",)
     posts = tuple(dict.fromkeys(path for role in member.roles for path in POSTS[role]))
     manager = (MANAGER,) if "operator" in member.roles else ()
-    hosts = tuple(f"ski/{robot}/@hosts/{host}" for host in (*member.hosts, *manager))
-    puts = [f"ski/{robot}/{path}" for path in posts] + [f"{host}/**" for host in hosts]
-    asks = [*ASKABLE, *(f"ski/{robot}/@late/{path}" for path in posts)]
-    announces = [f"{host}/**" for host in hosts]
+    hosts = tuple(f"ski/{robot}/@hosts/{host}/**" for robot in robots for host in (*member.hosts, *manager))
+    puts = [f"ski/{robot}/{path}" for robot in robots for path in posts] + list(hosts)
+    asks = [*ASKABLE, *(f"ski/{robot}/@late/{path}" for robot in robots for path in posts)]
+    announces = list(hosts)
     serves: list[str] = []
     if "robot" in member.roles:
-        asks.append(f"ski/{robot}/@keeper/begin")
+        asks += [f"ski/{robot}/@keeper/begin" for robot in robots]
     if "operator" in member.roles:
         puts += ["ski/@agents/**", "ski/@manager/**"]
         asks += ["ski/@agents/**", "ski/@manager/**"]

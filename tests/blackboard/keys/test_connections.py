@@ -32,7 +32,7 @@ def no_certificate(configuration: Configuration, tls: Configuration, where: Path
 def foreign_authority(configuration: Configuration, tls: Configuration, where: Path, keys: Path) -> None:
     now = datetime.datetime.now(datetime.UTC)
     folder.create(where / "foreign", ["robot.lan"], now)
-    show(tls, folder.add(where / "foreign", ["robot"], "k2a", now, robot="k2a"))
+    show(tls, folder.add(where / "foreign", ["robot"], "k2a", now, robots=["k2a"]))
 
 
 def expired_certificate(configuration: Configuration, tls: Configuration, where: Path, keys: Path) -> None:

@@ -57,7 +57,7 @@ def test_certificates_say_who_and_for_what(keys):
 
 
 def test_renewing_counts_up_and_revoking_ends(keys):
-    folder.add(keys, ["robot"], "r", NOW, robot="k2a")
+    folder.add(keys, ["robot"], "r", NOW, robots=["k2a"])
     where = folder.renew(keys, "r", NOW)
     assert certificate(where / "cert.pem").subject.rfc4514_string() == "CN=r.2"
     folder.revoke(keys, "r")
@@ -66,7 +66,7 @@ def test_renewing_counts_up_and_revoking_ends(keys):
         folder.renew(keys, "r", NOW)
     folder.add(keys, ["viewer"], "r", NOW)
     again = read_members(keys)["r"]
-    assert (again.roles, again.robot, again.generation, again.revoked) == (("viewer",), None, 3, False)
+    assert (again.roles, again.robots, again.generation, again.revoked) == (("viewer",), (), 3, False)
 
 
 def test_the_keepers_certificate_is_renewed_for_the_same_hosts(keys):

@@ -20,8 +20,8 @@ COLLECTIONS = {kind.path for kind in core_kinds() if kind.collection}
 KEEPERS = {"status/host"}  # posted by the keeper itself
 
 
-def member(*roles: str, robot: str | None = "k2a", **more: object) -> Member:
-    return new_member("me", roles, LATER, robot, **more)
+def member(*roles: str, robots: tuple[str, ...] = ("k2a",), **more: object) -> Member:
+    return new_member("me", roles, LATER, robots, **more)
 
 
 def key(path: str, robot: str = "k2a") -> str:
@@ -58,7 +58,7 @@ def test_every_kind_is_posted_by_some_role_and_none_by_a_viewer_or_an_agent():
 def test_who_posts_what(path, who):
     assert {role for role in ROLES if may_put(member(role), key(path))} == who
     assert not any(may_put(member(role), key(path, robot="other")) for role in ROLES)
-    assert {role for role in ROLES if role != "robot" and may_put(member(role, robot=None), key(path))} == who - {
+    assert {role for role in ROLES if role != "robot" and may_put(member(role, robots=()), key(path))} == who - {
         "robot"
     }
 
@@ -72,6 +72,12 @@ def test_the_sources_of_shipped_missions_need_no_other_role(mission):
         assembly.robot.close()
     assert posted
     assert [path for path in posted if not may_put(member("knowledge"), key(path))] == []
+
+
+def test_one_process_may_be_two_robots():
+    pair = member("robot", robots=("east", "west"), hosts=["robot"])
+    assert [may_put(pair, key("commands/drive", robot)) for robot in ("east", "west", "north")] == [True, True, False]
+    assert "ski/west/@hosts/robot/**" in rights(pair).announces
 
 
 def test_roles_add_up():
@@ -106,10 +112,10 @@ def test_who_posts_somewhere_hands_in_there(role):
     [
         (["plannr"], {}, "did you mean 'planner'"),
         ([], {}, "has no role"),
-        (["robot"], {"robot": None}, "add `--robot NAME`"),
+        (["robot"], {"robots": ()}, "add `--robot NAME`"),
         (["viewer"], {"hosts": ["h"]}, "runs no hosts"),
         (["planner"], {"hosts": ["a/b"]}, "host 'a/b'"),
-        (["planner"], {"robot": "*"}, r"robot '\*'"),
+        (["planner"], {"robots": ("*",)}, r"robot '\*'"),
     ],
 )
 def test_members_that_do_not_fit_are_refused(roles, more, says):
