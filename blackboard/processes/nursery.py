@@ -21,6 +21,7 @@ import msgspec
 from blackboard.errors import SkiError
 
 MAX_BYTES = 1 << 20
+ENDING = (signal.SIGTERM, signal.SIGINT)
 COMM = Path("/proc/self/comm")  # what `top` calls a process
 
 
@@ -55,7 +56,7 @@ def _serve() -> None:
         os.set_blocking(end, False)
     signal.signal(signal.SIGCHLD, lambda *_: None)
     signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
-    for number in (signal.SIGTERM, signal.SIGINT):
+    for number in ENDING:
         signal.signal(number, signal.SIG_IGN)  # it ends with its holder, not before
     while True:
         ready, _, _ = select.select([link.fileno(), woken], [], [])
@@ -72,12 +73,14 @@ def _serve() -> None:
             if asked.what == "warm":
                 _warm(asked.mission)
                 continue
+            signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)  # one that comes before the child can obey it waits
             pid = os.fork()
             if pid == 0:
                 signal.set_wakeup_fd(-1)
                 for handle in (link.fileno(), woken, wake):
                     os.close(handle)
                 _be(asked, handles)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
             for handle in handles:
                 os.close(handle)
             link.send(msgspec.json.encode(Told(what="forked", pid=pid)))
@@ -118,8 +121,9 @@ def _be(asked: Asked, handles: Sequence[int]) -> None:
         os.dup2(log, 2)
         for handle in handles:
             os.close(handle)
-        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGCHLD):
+        for number in (*ENDING, signal.SIGCHLD):
             signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
         with contextlib.suppress(OSError):
             COMM.write_text(f"ski-{asked.name}"[:15])
         from blackboard.command.main import main as ski
