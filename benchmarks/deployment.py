@@ -62,7 +62,7 @@ class Deployment:
         keys = ["--keys", str(self.keys[name])] if name in self.keys else []
         if name == KEEPER:
             place = ["--listen", self.address, "--out", str(self.folder / KEEPER)]
-            return [*ski, "board", "serve", self.mission, *place, *keys, "--leashed"]
+            return [*ski, "board", "serve", self.mission, *place, *keys]
         settings = [word for setting in self.settings for word in ("--set", setting)]
         options = ["--seed", str(self.seed), "--pace", str(self.pace), "--state", str(self.folder / name)]
         return [*ski, "host", self.mission, "--name", name, "--connect", self.address, *options, *settings, *keys]
@@ -84,20 +84,23 @@ class Processes:
 
     def start(self, name: str) -> None:
         """Start a process; of the keeper wait until it listens."""
+        self.start_beside(name, [*self.deployment.command(name), "--leashed"])
+        if name == KEEPER and name not in self.deployment.inside:
+            self._until_listening()
+
+    def start_beside(self, name: str, command: list[str]) -> None:
+        """Start a process that is none of the mission's."""
         folder = self.deployment.folder
         folder.mkdir(parents=True, exist_ok=True)
-        leash = [] if name == KEEPER else ["--leashed"]
         with (folder / f"{name}.log").open("ab") as log:
             self._running[name] = subprocess.Popen(
-                [*self.deployment.command(name), *leash],
+                command,
                 stdin=subprocess.PIPE,
                 stdout=log,
                 stderr=log,
                 cwd=CHECKOUT,
                 env={**os.environ, "PYTHONPATH": str(CHECKOUT), "OPENBLAS_NUM_THREADS": "1"},
             )
-        if name == KEEPER and name not in self.deployment.inside:
-            self._until_listening()
 
     def pid(self, name: str) -> int:
         """Return a process's number."""

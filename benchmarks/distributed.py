@@ -5,7 +5,8 @@ python benchmarks/distributed.py [--mission M] [--pace P] [--seeds N]
 For each seed the mission runs in one process (in lock-step, as `ski run`), then in five: keeper, robot, behaviours, knowledge
 sources, rules, in real time times `--pace`. One row each: how the mission ended and when by its own clock, the share of the
 reachable floor that the grid decided (as the map lies, and with the world laid on it), the largest error of the pose, contacts
-that the robot caused; of the five what was posted, what the keeper has written down, and what is missing of it.
+that the robot caused; of the five what was posted, what the keeper has written down, what is missing of it, what waits in an
+outbox, and what the boards of the hosts have missed.
 """
 
 import argparse
@@ -22,7 +23,7 @@ from blackboard.mission import find_mission, load_mission
 LIMIT_S = 1800.0  # mission seconds: six times what exploring the lab takes
 HEAD = (
     "seed  processes  ended      time s   decided %   aligned %   error m max  collisions   wall s |"
-    "  posted   written  missing  twice  refused  waiting"
+    "  posted   written  missing  twice  refused  waiting  missed"
 )
 
 
@@ -42,7 +43,7 @@ def row(seed: int, report: Report) -> str:
         f"{seed:4}{5:11}  {outcome.state:9}{outcome.time_s:8.1f}{100 * outcome.decided_fraction:12.1f}"
         f"{100 * outcome.aligned_fraction:12.1f}{outcome.error_max_m:14.2f}{outcome.collisions:12}{report.seconds:9.1f} |"
         f"{account.posted:8}{account.written:10}{account.lost:9}{account.twice:7}{account.refused:9}"
-        f"{account.in_outboxes:9}{failed}"
+        f"{account.in_outboxes:9}{account.missed:8}{failed}"
     )
 
 

@@ -4,8 +4,9 @@ python benchmarks/kills.py [--mission M] [--pace P] [--rounds N] [--each NAME ..
 
 In each run one process is killed at a time drawn with the seed, and started again at once. A row each: which process, and when on
 the mission's clock; how the mission ended and when, and how much later than without a kill (the same seed in five processes,
-first row; no two runs are alike, since they are in real time); how long the robot's readings came no more, seconds of
-the wall clock; contacts that the robot caused; what was posted, and what of it the keeper has not got in the end.
+first row; no two runs are alike, since they are in real time); contacts that the robot caused; what was posted, what of it the
+keeper has not got in the end (lost), what stands twice in its journal, what still waits in an outbox, and what the boards of
+the hosts have missed.
 """
 
 import argparse
@@ -21,7 +22,7 @@ LIMIT_S = 1800.0  # mission seconds
 EARLIEST_S, LATEST_S = 40.0, 220.0  # of a mission of some 300 s
 HEAD = (
     "killed              at s  ended      time s   later s   aligned %   error m max  collisions |"
-    "   posted  lost  twice  refused  waiting  boots"
+    "   posted  lost  twice  refused  waiting  missed  boots"
 )
 
 
@@ -34,7 +35,7 @@ def row(name: str, at_s: float | None, report: Report, plain_s: float) -> str:
     return (
         f"{name:17}{when}  {outcome.state:9}{outcome.time_s:8.1f}{outcome.time_s - plain_s:10.1f}"
         f"{100 * outcome.aligned_fraction:12.1f}{outcome.error_max_m:14.2f}{outcome.collisions:12} |"
-        f"{account.posted:9}{account.lost:6}{account.twice:7}{account.refused:9}{account.in_outboxes:9}{boots:7}{failed}"
+        f"{account.posted:9}{account.lost:6}{account.twice:7}{account.refused:9}{account.in_outboxes:9}{account.missed:8}{boots:7}{failed}"
     )
 
 

@@ -32,6 +32,7 @@ class Account:
     twice: int  # written down more than once
     missing: dict[Stream, list[int]]
     in_outboxes: int = 0  # envelopes that still wait
+    missed: int = 0  # by the boards of all hosts together, by their own words
     boots: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -45,6 +46,7 @@ class Ledger:
 
     def __init__(self) -> None:
         self._posted: dict[Stream, int] = {}
+        self._missed: dict[tuple[str, str], int] = {}
         self._lock = Lock()
 
     def note(self, stream: Stream, number: int) -> None:
@@ -55,6 +57,7 @@ class Ledger:
     def note_beat(self, key: str, payload: bytes) -> None:
         """A host has told how far it has posted."""
         beat = _BEAT.decode(payload)
+        self._missed[(key.split("/")[3], beat.boot)] = beat.missed
         for lane, number in beat.lanes.items():
             self.note((key.split("/")[3], beat.boot, lane), number)
 
@@ -96,6 +99,7 @@ class Ledger:
             twice=sum(n - 1 for numbers in written.values() for n in numbers.values()),
             missing=missing,
             in_outboxes=waiting,
+            missed=sum(self._missed.values()),
             boots=dict(Counter(host for host, _ in {(host, boot) for host, boot, _ in streams})),
         )
 

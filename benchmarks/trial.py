@@ -12,6 +12,7 @@ from blackboard.link import addresses
 from blackboard.link.session import LinkParams, Session, open_session
 from blackboard.mission import Mission, find_mission, load_mission, parse_settings
 
+TRIAL = "trial"  # by which name it has keys, where they are asked for
 LOOK_S = 0.05
 SETTLE_S = 1.0  # after the end: what the last posts set off is posted too
 Act = tuple[float, Callable[[], None]]  # mission seconds after the robot's first reading, and what is done then
@@ -46,7 +47,7 @@ def run_to_end(processes: Processes, acts: Sequence[Act] = (), *, limit_s: float
     deployment = processes.deployment
     started_s = time.monotonic()
     processes.start_all()
-    with open_session(LinkParams(address=deployment.address)) as session:
+    with open_session(LinkParams(address=deployment.address, keys=deployment.keys.get(TRIAL))) as session:
         note_beats(session, processes)
         seconds = _until_over(processes, sorted(acts, key=lambda act: act[0]), limit_s) - started_s
         time.sleep(SETTLE_S)
