@@ -62,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     status = below.add_parser(
         "status",
         help="say what the keeper holds, and whether anything is missing",
-        description="Say what the keeper holds, and whether anything is missing: if so, the exit status is 1.",
+        description="Say what the keeper holds. The exit status is 1 where something is missing or cannot be written down.",
     )
     add_connection_options(status)
     status.add_argument("--json", action="store_true", help="print it as JSON")
@@ -122,7 +122,7 @@ def _status(options: argparse.Namespace) -> int:
         sys.stdout.buffer.write(msgspec.json.format(answers[0].payload, indent=2) + b"\n")
     else:
         sys.stdout.writelines(f"{line}\n" for line in told(status))
-    return EXIT_MISSING if status.missing else 0
+    return EXIT_MISSING if status.missing or status.troubled else 0
 
 
 def _rejected(rejection: "Rejection", often: int) -> None:

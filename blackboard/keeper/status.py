@@ -73,6 +73,11 @@ class KeeperStatus(msgspec.Struct, frozen=True, kw_only=True):
         """How many envelopes should be there and are not."""
         return sum(board.missing for board in self.boards)
 
+    @property
+    def troubled(self) -> list[str]:
+        """The robots whose journals cannot be written."""
+        return [board.robot for board in self.boards if board.trouble]
+
 
 def told(status: KeeperStatus) -> Iterator[str]:
     """Yield a status as lines of text."""
@@ -104,6 +109,8 @@ def told(status: KeeperStatus) -> Iterator[str]:
         for lane in board.lanes:
             yield f"  {lane.host:16} {lane.boot:10} {lane.lane:10} {lane.posted:9} {lane.held:9} {lane.missing:8}"
     yield ""
+    if status.troubled:
+        yield f"what comes now cannot be written down: {', '.join(status.troubled)}"
     yield "nothing is missing" if not status.missing else f"{status.missing} envelopes are MISSING"
 
 

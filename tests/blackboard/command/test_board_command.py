@@ -33,8 +33,9 @@ def serve(tmp_path, address):
     """Start `ski board serve`; every process ends with the test."""
     started = []
 
-    def start(*more, at=address):
-        command = [sys.executable, "-m", "blackboard.command.main", "board", "serve", "--listen", at]
+    def start(*more, at=address, limit_kb=None):
+        limit = [] if limit_kb is None else ["bash", "-c", f'ulimit -f {limit_kb}; exec "$@"', "limited"]
+        command = [*limit, sys.executable, "-m", "blackboard.command.main", "board", "serve", "--listen", at]
         process = subprocess.Popen(
             [*command, "--out", str(tmp_path / "boards"), *more],
             stdout=subprocess.PIPE,
@@ -61,13 +62,19 @@ def listening(process):
     raise AssertionError(process.stderr.read())
 
 
-def post(address, first, last):
-    """Post and return once the keeper has acknowledged."""
+def entries(first, last):
+    """Return keys and payloads of readings."""
     board = Board(Vocabulary(), robot="k2a")
     sent = []
     board.outgoing = lambda kind, entry, raw: sent.append((entry.key, line_of(entry, raw)))
     for n in range(1, last + 1):
         board.post(BATTERY, Battery(charge_fraction=n / 1000), source="robot", stamp_s=float(n))
+    return sent[first - 1 :]
+
+
+def post(address, first, last):
+    """Post and return once the keeper has acknowledged."""
+    sent = entries(1, last)
     with open_session(LinkParams(address=address)) as session:
         heard = SimpleQueue()
         session.subscribe("ski/k2a/@keeper/beat", lambda a: heard.put(json.loads(a.payload)))
@@ -115,6 +122,28 @@ def test_killed_in_the_middle_it_comes_back_with_everything(serve, address, tmp_
     listening(third)
     assert board_of(address)[:2] == ({}, [])
     assert len(list((tmp_path / "boards" / "earlier").glob("*/k2a/board.jsonl"))) == 1
+
+
+def test_on_a_full_disk_nothing_is_acknowledged_that_is_not_written(serve, address, tmp_path, capsys):
+    full = serve(limit_kb=20)
+    listening(full)
+    with open_session(LinkParams(address=address)) as session:
+        heard = SimpleQueue()
+        session.subscribe("ski/k2a/@keeper/beat", lambda a: heard.put(json.loads(a.payload)))
+        status = 0
+        for n, (key, payload) in enumerate(entries(1, 500), 1):
+            session.put(key, payload, attachment_of(Origin("robot", "b1", "signal", n)), "signal")
+        while status != 1:
+            status = main(["board", "status", "--connect", address])
+    assert "File too large" in capsys.readouterr().out
+    acknowledged = board_of(address)[0]["robot"]["b1"]["signal"]
+    full.send_signal(signal.SIGKILL)
+    full.wait()
+    written = (tmp_path / "boards" / "k2a" / "board.jsonl").read_bytes().count(b"\n")
+    assert 0 < acknowledged <= written < 500
+    listening(serve())
+    post(address, 1, 500)
+    assert main(["board", "status", "--connect", address]) == 0
 
 
 def test_a_gap_is_told_and_the_exit_status_says_so(serve, address, capsys):
