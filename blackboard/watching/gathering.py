@@ -15,6 +15,7 @@ import msgspec
 from blackboard.entry import Entry
 from blackboard.errors import BoardError, KeysError, LinkError, MessageError
 from blackboard.keeper.status import BoardStatus, KeeperStatus
+from blackboard.key_expressions import matches
 from blackboard.keys.material import member_material
 from blackboard.kinds import (
     ACTIVATION,
@@ -85,12 +86,17 @@ def _asked(session: Session, facts: SetupFacts, listen_s: float) -> SetupFacts:
         return replace(facts, answers="a router")
     came = Listener(session, "ski/**")
     beating = Listener(session, "ski/*/@hosts/*/beat")
-    counts = Counter(_path(a.key) for a in came.until(time.monotonic() + listen_s) if a is not None)
+    counts: Counter[str] = Counter()
+    heard: dict[str, bytes] = {}
+    for arrived in came.until(time.monotonic() + listen_s):
+        if arrived is not None:
+            counts[_path(arrived.key)] += 1
+            heard[arrived.key] = arrived.payload
     beats = [beat for a in beating.take(0.1) if (beat := _beat(a.key, a.payload)) is not None]
     status = _status(session)
     if status is None:
         return replace(facts, answers="a router", trouble="the keeper answered, and then no more")
-    entries = _standing(session)
+    entries = _newest(session, heard)
     hosts = [host for board in status.boards for host in _hosts(board, entries, beats)]
     return replace(
         facts,
@@ -111,18 +117,24 @@ def _status(session: Session) -> KeeperStatus | None:
     return None
 
 
-def _standing(session: Session) -> list[tuple[str, str, Entry[Any]]]:
-    """Return robot, kind's path and entry of what is asked for; kinds that this vocabulary lacks are passed over."""
+def _newest(session: Session, heard: Mapping[str, bytes]) -> list[tuple[str, str, Entry[Any]]]:
+    """Return robot, kind's path and entry of what is asked for, as the keeper has it or as it was heard, where that is newer.
+
+    Kinds that this vocabulary lacks are passed over.
+    """
     vocabulary = Vocabulary()
-    found = []
-    for pattern in ASKED:
-        for answer in session.ask(f"ski/*/{pattern}"):
-            try:
-                kind, entry = read_entry(vocabulary, read_payload(answer.key, answer.payload))
-            except (BoardError, MessageError):
-                continue
-            found.append((vocabulary.parse_key(answer.key)[0], kind.path, entry))
-    return found
+    found: dict[str, tuple[str, str, Entry[Any]]] = {}
+    expressions = [f"ski/*/{pattern}" for pattern in ASKED]
+    standing = [(answer.key, answer.payload) for expression in expressions for answer in session.ask(expression)]
+    live = [(key, payload) for key, payload in heard.items() if any(matches(e, key) for e in expressions)]
+    for key, payload in [*standing, *live]:
+        try:
+            kind, entry = read_entry(vocabulary, read_payload(key, payload))
+        except (BoardError, MessageError):
+            continue
+        if key not in found or entry.revision > found[key][2].revision:
+            found[key] = (vocabulary.parse_key(key)[0], kind.path, entry)
+    return [one for one in found.values() if one[2].event != "retracted"]
 
 
 def _keeper(status: KeeperStatus) -> KeeperFacts:

@@ -24,6 +24,8 @@ def host_findings(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:
             )
         if host.state in ("alive", "hung"):
             yield from _linked_host(host, versions, params)
+            if host.lacking and not (facts.keeper is not None and facts.keeper.journal_trouble):  # which explains it
+                yield _lacking(host)
 
 
 def _linked_host(host: HostFacts, version: str, params: DoctorParams) -> Iterator[Finding]:
@@ -52,12 +54,14 @@ def _linked_host(host: HostFacts, version: str, params: DoctorParams) -> Iterato
             what=f"{host.called} was too slow: {many(host.missed, 'entry')} could not be had any more",
             do="give it less to do or a faster machine; what stands it has again, by a snapshot",
         )
-    if host.lacking:
-        yield Finding(
-            about="missing entries",
-            what=f"the keeper has not got {many(host.lacking, 'entry')} that {host.called} sent",
-            do="look at the network between them; the host sends them again until the keeper has them",
-        )
+
+
+def _lacking(host: HostFacts) -> Finding:
+    return Finding(
+        about="missing entries",
+        what=f"the keeper has not got {many(host.lacking, 'entry')} that {host.called} sent",
+        do="look at the network between them; the host sends them again until the keeper has them",
+    )
 
 
 def component_findings(facts: SetupFacts, params: DoctorParams) -> Iterator[Finding]:

@@ -111,6 +111,8 @@ def test_hosts_that_do_not_fare_well() -> None:
         "missing entries",
         "the keeper has not got 1 entry that host sources on there sent",
     )
+    full = replace(with_host(lacking=1), keeper=replace(SOUND.keeper, journal_trouble="full"))  # type: ignore[type-var]
+    assert the_one(full).about == "journal"  # what follows from it is not told
     assert the_one(with_host(boots=2)).what == "2 processes are linked as host sources"
 
 
