@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 
@@ -107,6 +107,11 @@ class _Up:
             if self._local is not None:
                 self._local.end()
             self._state.drop(MANAGER)
+            if not self._underway:  # nothing came of it
+                if self._board is not None:
+                    shutil.rmtree(self._board, ignore_errors=True)
+                with suppress(OSError):
+                    self._folder.rmdir()
 
     @contextmanager
     def asked(self) -> Iterator[None]:
@@ -126,14 +131,15 @@ class _Up:
 
     def begin(self) -> None:
         """Start what is not there, keeper and executor, before the mission is read: they need a while themselves."""
+        keys = self._link.keys is not None  # each part then has its own: the keeper's, an agent's, this operator's
         if not listening(self._link.address):
-            if not ours(self._link.address):
+            if keys or not ours(self._link.address):
                 raise LinkError(f"no keeper answers at {self._link.address}; start one there with `ski board serve`")
             self._board = self._folder / BOARD
         else:
             with open_session(self._link) as session:
                 keeper_status(session, self._link.address)
-                if agents_at(session, self._options.name):
+                if keys or agents_at(session, self._options.name):
                     return
         self._local = LocalAgent(self._link, self._options.name, self._state.logs, lambda: None)
         if self._board is not None:

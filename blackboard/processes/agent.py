@@ -164,6 +164,7 @@ class Agent:
     def _hear(self, arrived: Arrived) -> None:
         chunks = arrived.key.split("/")
         if chunks[2] == "@keeper":
+            self._executor.hear(KEEPER)
             self._leash = Leash(manager=self._leash.manager, silent_s=self._leash.silent_s)
         elif chunks[2] == "@hosts":
             with contextlib.suppress(msgspec.DecodeError):

@@ -9,6 +9,8 @@ from blackboard.processes.protocol import KEEPER, HostOrder
 
 SKI = (sys.executable, "-m", "blackboard.command.main")
 
+KEEPER_HANGS_S = 20.0  # its heartbeats come 5 times a second; writing down a large board holds them up
+
 
 def host_plan(order: HostOrder, link: LinkParams, machine: str, state: Path) -> ProcessPlan:
     """Return how the host of an order is run; `state` is the folder for what must outlive a kill of it."""
@@ -42,7 +44,9 @@ def agent_command(link: LinkParams, machine: str) -> tuple[str, ...]:
 def keeper_plan(link: LinkParams, folder: Path, mission: str = "") -> ProcessPlan:
     """Return how the keeper is run: always there, since everything goes through it."""
     command = (*SKI, "board", "serve", *([mission] if mission else []), *_link(link), "--out", str(folder), "--leashed")
-    return ProcessPlan(name=KEEPER, command=command, restart="always", restarts=100, stop_s=10.0)
+    return ProcessPlan(
+        name=KEEPER, command=command, restart="always", restarts=100, hang_s=KEEPER_HANGS_S, stop_s=10.0, source=True
+    )
 
 
 def _link(link: LinkParams) -> list[str]:

@@ -22,7 +22,9 @@ LONGEST_START_S = 60.0  # from its start to the first heartbeat: a cold machine 
 
 @dataclass(frozen=True, kw_only=True)
 class ProcessPlan:
-    """A process to run: its command, and when it is started again. `hang_s` None: nobody expects heartbeats of it."""
+    """A process to run: its command, and when it is started again. `hang_s` None: nobody expects heartbeats of it. `source`:
+    heartbeats of others come by it, so that its own silence always counts, once it has been heard.
+    """
 
     name: str
     command: tuple[str, ...]
@@ -32,6 +34,7 @@ class ProcessPlan:
     within_s: float = 60.0
     hang_s: float | None = None
     stop_s: float = 5.0
+    source: bool = False
 
 
 @dataclass
@@ -96,10 +99,12 @@ class Executor:
             else:
                 self._ask_to_end(held, now_s)
 
-    def hear(self, name: str, pid: int) -> bool:
-        """Take note of a heartbeat; say whether that changed its state."""
+    def hear(self, name: str, pid: int | None = None) -> bool:
+        """Take note of a heartbeat, of whatever process bears the name where no number came with it; say whether that changed
+        its state.
+        """
         held = self._held.get(name)
-        if held is None or held.child is None or held.child.pid != pid:
+        if held is None or held.child is None or pid not in (None, held.child.pid):
             return False
         held.heard, held.silent_s = True, 0.0
         if held.state != "starting":
@@ -141,7 +146,7 @@ class Executor:
             if held.kill_s is not None and now_s >= held.kill_s:
                 held.child.kill()
                 held.kill_s = None
-            if beats_come:
+            if beats_come or held.plan.source:
                 held.silent_s += passed_s
             if held.state in ("starting", "running") and held.silent_s > _patience_s(held):
                 held.state = "hung"
@@ -180,7 +185,7 @@ class Executor:
     def _spawn(self, held: _Held, now_s: float) -> None:
         held.started_s, held.start_s, held.kill_s = now_s, None, None
         held.heard, held.silent_s = False, 0.0
-        held.state = "starting" if held.plan.hang_s is not None else "running"
+        held.state = "starting" if held.plan.hang_s is not None and not held.plan.source else "running"
         try:
             held.child = self._launch(held.plan, self._logs / f"{held.plan.name}.log", self._ended)
         except OutputError as error:
@@ -212,6 +217,6 @@ class Executor:
 
 def _patience_s(held: _Held) -> float:
     """Return how long it may be silent."""
-    if held.plan.hang_s is None:
+    if held.plan.hang_s is None or (held.plan.source and not held.heard):
         return inf
     return held.plan.hang_s if held.heard else max(held.plan.hang_s, LONGEST_START_S)

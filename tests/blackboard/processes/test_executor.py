@@ -137,6 +137,19 @@ def test_nobody_hangs_while_no_heartbeat_could_come(owner: Owner) -> None:
     assert owner.report.state == "running"
 
 
+def test_a_keeper_that_hangs_is_killed_though_no_heartbeat_comes(owner: Owner) -> None:
+    plan = ProcessPlan(name="keeper", command=(sys.executable, "-c", LEASHED), hang_s=20.0, source=True)
+    owner.executor.start(plan, owner.now_s)
+    assert owner.report.state == "running"
+    owner.pass_s(100.0, beats_come=False)  # nobody has joined yet, so it has said nothing
+    assert owner.report.state == "running"
+    owner.executor.hear("keeper")
+    owner.pass_s(19.0, beats_come=False)
+    assert owner.report.state == "running"
+    owner.pass_s(2.0, beats_come=False)
+    assert owner.report.state == "hung"
+
+
 def test_a_heartbeat_of_an_earlier_life_does_not_count(owner: Owner) -> None:
     owner.start(LEASHED)
     assert not owner.executor.hear("map", owner.report.pid + 1)

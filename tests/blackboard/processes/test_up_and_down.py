@@ -147,6 +147,7 @@ def test_what_cannot_be_is_one_line(place: Place) -> None:
     assert wrong.returncode == 2
     assert wrong.stderr.count("\n") == 1
     assert "the mission has no component 'body'" in wrong.stderr
+    assert not (place.folder / "out").exists()
     assert place.port_is_free()
     assert place.state.records(alive=False) == []
 
