@@ -53,6 +53,7 @@ class KeptBoard:
         good: list[Checked] = []
         bad: list[tuple[Origin, str, str]] = []
         fresh: set[Origin] = set()
+        heard: set[tuple[str, str]] = set()
         tell: list[str] = []
         check, positions = self._checker.check, self.positions
         for message in arrived:
@@ -64,13 +65,15 @@ class KeptBoard:
                     raise Refused("attachment", f"{key}: {error}", None) from None
                 if origin in fresh or positions.holds(origin):
                     self.duplicates += 1
+                    heard.add((origin.host, origin.boot))  # who sends again has not heard the beat
                     continue
                 good.append(check(key, message.payload, origin))
                 fresh.add(origin)
             except Refused as refused:
                 self._refuse(refused, key, bad, tell)
         took = self._write(good, bad, tell)
-        for host, boot in {(c.origin.host, c.origin.boot) for c in good}:
+        heard.update((origin.host, origin.boot) for origin, *_ in (*good, *bad))
+        for host, boot in heard:
             self.positions.hear(host, boot, now_s)
         return took
 
@@ -89,8 +92,6 @@ class KeptBoard:
                 continue
             arrived.append(Arrived(key, payload, attachment_of(origin)))
         took = self.take(arrived, now_s)
-        for host, boot in {(e.origin.host, e.origin.boot) for e in envelopes}:
-            self.positions.hear(host, boot, now_s)
         return took._replace(tell=tell + took.tell)
 
     def _refuse(self, refused: Refused, key: str, bad: list[tuple[Origin, str, str]], tell: list[str]) -> None:

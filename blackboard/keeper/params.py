@@ -24,11 +24,20 @@ class KeeperParams:
     hung_s: float = 1.0  # a host that is linked and says nothing for so long hangs
     starting_s: float = 10.0  # one that has not said anything yet is still loading
     told_s: float = 60.0  # a silent start of a host stays in the beats for so long
+    told_boots: int = 50  # those that stay in the beats after a restart, for as long
     checkpoint_s: float = 30.0
     checkpoint_bytes: int = 64_000_000  # of journal; what a restart has to read again
 
     def __post_init__(self) -> None:
-        for name in ("findable_envelopes", "tombstones", "robots", "boots", "queue_envelopes", "beat_envelopes"):
+        for name in (
+            "findable_envelopes",
+            "tombstones",
+            "robots",
+            "boots",
+            "told_boots",
+            "queue_envelopes",
+            "beat_envelopes",
+        ):
             require(getattr(self, name) >= 1, name, getattr(self, name), "1 and more")
         for name in ("answer_bytes", "read_back_bytes", "entry_bytes", "queue_bytes", "checkpoint_bytes"):
             require(getattr(self, name) >= 1000, name, getattr(self, name), "1000 bytes and more")

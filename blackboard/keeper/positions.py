@@ -91,6 +91,11 @@ class LanePositions:
             self._heard_s[(host, boot)] = now_s
             self._boots.move_to_end((host, boot))
 
+    def hear_newest(self, boots: int, now_s: float) -> None:
+        """Take so many boots, those heard of last, as heard of now."""
+        for host, boot in list(self._boots)[-boots:]:
+            self._heard_s[(host, boot)] = now_s
+
     def told(self, since_s: float | None = None) -> Positions:
         """Return the numbers without a gap, by host, boot and lane: of all boots, or of those heard of since then."""
         told: Positions = {}

@@ -44,6 +44,7 @@ class RobotDesk:
         self.hosts = HostWatch(params.hung_s, params.starting_s)
         self.expectation = Expectation()
         self.expectation.due_at_once(self.kept.positions)
+        self.kept.positions.hear_newest(params.told_boots, now_s)  # after a restart nobody knows what was acknowledged
         self._checker = checker
         self._boot = boot
         self._number = 0

@@ -61,19 +61,19 @@ class Standing:
         else:
             self._standing[entry.key] = self._held(result, come, entry, known, known_entry)
 
-    def entries(self, expression: str | None = None) -> list[Envelope]:
-        """Return what stands, of all keys or of those that the expression matches, in order of first posting."""
-        return [
-            Envelope(held.origin, held.payload)
-            for key, held in self._standing.items()
-            if expression is None or matches(expression, key)
-        ]
+    def entries(self) -> list[Envelope]:
+        """Return what stands, in order of first posting."""
+        return [Envelope(held.origin, held.payload) for held in self._standing.values()]
 
     def matching(self, expression: str) -> Iterator[tuple[str, Envelope]]:
         """Yield the keys that the expression matches, with what stands there."""
-        for key, held in list(self._standing.items()):
-            if matches(expression, key):
-                yield key, Envelope(held.origin, held.payload)
+        if "*" not in expression:
+            exact = self._standing.get(expression)
+            found = [(expression, exact)] if exact is not None else []
+        else:
+            found = [(key, held) for key, held in self._standing.items() if matches(expression, key)]
+        for key, held in found:
+            yield key, Envelope(held.origin, held.payload)
 
     def tombstones(self) -> list[Envelope]:
         """Return the retractions that are remembered, the oldest first."""

@@ -186,6 +186,19 @@ def test_late_ones_must_be_of_their_place(tmp_path, battery):
     assert kept.positions.told() == {"robot": {"b1": {"signal": 2}}}
 
 
+def test_who_sends_again_is_told_again(tmp_path, battery):
+    kept = board(tmp_path)
+    kept.take([battery(1)], now_s=10.0)
+    assert kept.positions.told(since_s=10.0) == {"robot": {"b1": {"signal": 1}}}
+    assert kept.positions.told(since_s=11.0) == {}
+    kept.take([battery(1)], now_s=11.0)
+    assert kept.positions.told(since_s=11.0) == {"robot": {"b1": {"signal": 1}}}
+    again = board(tmp_path)
+    assert again.positions.told(since_s=0.0) == {}
+    again.positions.hear_newest(1, 0.0)
+    assert again.positions.told(since_s=0.0) == {"robot": {"b1": {"signal": 1}}}
+
+
 def test_what_was_missed_is_read_from_the_journal_and_commands_are_never_handed_on(tmp_path, battery):
     kept = board(tmp_path)
     sent = {n: battery(n) for n in (2, 1, 5, 4)}

@@ -92,6 +92,8 @@ def test_a_payload_is_kept_as_it_came():
     payload = b'{"stamp_s":1.0, "key":"%s","revision":1,"event":"posted","source":"a","value":{}}' % KEYS[0].encode()
     standing = Standing(VOCABULARY, 10)
     standing.take(Origin("h", "b", "knowledge", 1), payload, entry(KEYS[0], 1, 1.0, 0.0, "posted", "a", (), None))
-    assert [e.payload for e in standing.entries("ski/*/hypotheses/**")] == [payload]
-    assert standing.entries("ski/*/status/**") == []
-    assert [key for key, _ in standing.matching("ski/**")] == [KEYS[0]]
+    assert [e.payload for e in standing.entries()] == [payload]
+    for expression in ("ski/**", "ski/*/hypotheses/**", KEYS[0]):
+        assert [(key, e.payload) for key, e in standing.matching(expression)] == [(KEYS[0], payload)]
+    for expression in ("ski/*/status/**", KEYS[1]):
+        assert list(standing.matching(expression)) == []
