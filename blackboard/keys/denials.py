@@ -2,9 +2,11 @@
 
 zenoh tells nobody whom it rejects but its own log. At level trace its access control writes a line for every message that it looks
 at ("... is unauthorized to Put (ingress) on KEY") and then, on the same thread, "Msg intercepted!" where the message was thrown
-away. One that was authorized and is intercepted all the same was too large. Connections that fail are warnings of its TLS.
+away. One that was authorized and is intercepted all the same, at once, was too large. Connections that fail are warnings of TLS.
+It also intercepts, without a word before, some ends of declarations that it would have passed on: those are nobody's attempts.
 """
 
+import datetime
 import re
 from collections import deque
 from dataclasses import dataclass
@@ -33,6 +35,7 @@ OVERSIZED = "oversized payload"
 OTHER = "other"
 KINDS = tuple(dict.fromkeys([*MESSAGES.values(), OVERSIZED, *CONNECTIONS.values(), OTHER]))
 MAX_LINE_BYTES = 1_000_000
+AT_ONCE_S = 0.05
 LOOK_BACK = 64  # so many lines of other threads may stand between the two lines of one message
 
 _COLOUR = re.compile(rb"\x1b\[[0-9;]*m")
@@ -101,8 +104,10 @@ class LogReader:
             if other is None or other["thread"] != start["thread"]:
                 continue
             judged = _JUDGED.search(before)
-            return None if judged is None else self._judged(_text(start["stamp"]), judged)
-        return Denial(_text(start["stamp"]), OTHER, "", "")
+            if judged is None or not (judged["un"] or _too_large(judged, _text(other["stamp"]), _text(start["stamp"]))):
+                return None
+            return self._judged(_text(start["stamp"]), judged)
+        return None
 
     def _judged(self, stamp: str, judged: "re.Match[bytes]") -> Denial | None:
         if judged["flow"] == b"egress" or judged["what"].startswith(b"Undeclare"):
@@ -113,6 +118,15 @@ class LogReader:
         if not judged["un"]:
             kind = OVERSIZED
         return Denial(stamp, kind, common_name, _text(judged["key"]))
+
+
+def _too_large(judged: "re.Match[bytes]", judged_at: str, intercepted_at: str) -> bool:
+    try:
+        at, then = (datetime.datetime.fromisoformat(stamp) for stamp in (judged_at, intercepted_at))
+        at_once = 0.0 <= (then - at).total_seconds() < AT_ONCE_S
+    except (ValueError, TypeError):
+        return False
+    return at_once and (judged["what"] == b"Put" or (judged["what"] == b"Query" and b"/@late/" in judged["key"]))
 
 
 def _refused(line: bytes) -> Denial | None:

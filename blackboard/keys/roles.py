@@ -90,10 +90,11 @@ def rights(member: Member) -> Rights:
     if "robot" in member.roles:
         asks += [f"ski/{robot}/@keeper/begin" for robot in robots]
     if "operator" in member.roles:
-        puts += ["ski/@agents/**", "ski/@manager/**"]
-        asks += ["ski/@agents/**", "ski/@manager/**"]
-        serves.append("ski/@manager/**")
-        announces.append("ski/@manager/**")
+        machines = ["ski/@agents/**", "ski/@manager/**"]  # `ski up` brings an executor of its own
+        puts += machines
+        asks += machines
+        serves += machines
+        announces += machines
     if "agent" in member.roles:
         own = f"ski/@agents/{member.name}/**"
         puts.append(own)

@@ -66,6 +66,23 @@ def test_kinds_of_messages(what, kind):
     assert [d.kind for d in read(line(judged(f"{what} (ingress)", "ski/a")), line(INTERCEPTED))] == [kind]
 
 
+@pytest.mark.parametrize(
+    ("what", "later"),
+    [
+        ("Query (ingress)", STAMP),
+        ("Put (egress)", STAMP),
+        ("Put (ingress)", STAMP.replace("10.27", "10.37")),
+        ("Put (ingress)", STAMP.replace("10:31", "10:30")),
+        ("Put (ingress)", "2026-99-99T99:99:99.999999Z"),
+    ],
+)
+def test_what_zenoh_throws_away_by_itself_is_nobodys_attempt(what, later):
+    assert (
+        read(line(judged(what, "ski/k2a/@keeper/clock", "authorized")), line(INTERCEPTED).replace(STAMP, later)) == []
+    )
+    assert read(line(INTERCEPTED)) == []
+
+
 def test_lines_of_two_threads_are_kept_apart():
     other = "rx-1 ThreadId(10)"
     found = read(
