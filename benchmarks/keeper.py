@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -26,7 +26,7 @@ from blackboard.journal import line_of
 from blackboard.kinds import ODOM_FROM_ROBOT, TARGET
 from blackboard.link.envelope import KeeperBeat, Origin, attachment_of
 from blackboard.link.replica import Replica
-from blackboard.link.session import LinkParams, Session, open_router, open_session
+from blackboard.link.session import Arrived, LinkParams, Session, open_router, open_session
 from blackboard.messages.geometry import Point, Pose
 from blackboard.messages.symbols import Target
 from blackboard.vocabulary import Vocabulary
@@ -40,6 +40,7 @@ READERS = 5
 SLOW_S = 0.005
 STALLED_S = 0.3  # without progress: something was dropped on the way
 GIVE_UP_S = 100.0
+SETTLE_S = 3.0  # what is on its way without anybody's word for it
 
 
 def payload(number: int) -> bytes:
@@ -223,6 +224,55 @@ def _answerer(pipe: Connection, link: LinkParams, size: int) -> None:
             question.finish()
 
 
+def bare_counter(pipe: Connection, link: LinkParams, pause_s: float) -> None:
+    """Count what comes, and send it when asked."""
+    with open_session(link) as session:
+        come: SimpleQueue[int] = SimpleQueue()
+
+        def note(arrived: Arrived) -> None:
+            come.put(1)
+            if pause_s:
+                time.sleep(pause_s)
+
+        session.subscribe(BARE, note)
+        pipe.send("ready")
+        pipe.recv()
+        pipe.send(come.qsize())
+
+
+def bare_flood(pipe: Connection, link: LinkParams, posts: int) -> None:
+    """Post as fast as it goes, and never look back."""
+    with open_session(link) as session:
+        payloads = [payload(n) for n in range(1, posts + 1)]
+        pipe.send("ready")
+        pipe.recv()
+        started = time.perf_counter()
+        for each in payloads:
+            session.put(BARE, each, b"poster b knowledge 1", "knowledge")
+        pipe.send(time.perf_counter() - started)
+        time.sleep(SETTLE_S)
+
+
+def bare_slow_reader(posts: int, port: int) -> None:
+    """Print what four readers get of bare zenoh while a fifth is slow."""
+    with router(port) as link, ExitStack() as running:
+        counters = [
+            running.enter_context(process(bare_counter, link, SLOW_S if i == 0 else 0.0)) for i in range(READERS)
+        ]
+        with process(bare_flood, link, posts) as poster:
+            poster.send("go")
+            posted_s = poster.recv()
+            time.sleep(SETTLE_S)
+            for each in counters:
+                each.send("enough")
+            come = [each.recv() for each in counters]
+    lost = sum(posts - c for c in come[1:])
+    print(
+        f"bare zenoh, {posts} posts to {READERS} readers, one of them slow: posted in {posted_s:.1f} s, "
+        f"{lost} lost to the other four"
+    )
+
+
 def reader(pipe: Connection, link: LinkParams, posts: int, pause_s: float) -> None:
     """Read with a replica, and send how many came, how many could not be had, and the longest time between two."""
     with open_session(link) as session:
@@ -289,17 +339,16 @@ def _handle_all(replica: Replica) -> None:
 
 def slow_reader(posts: int, port: int, folder: Path) -> None:
     """Print what four readers get while a fifth is slow."""
-    with keeper(port, folder) as link:
-        running = [process(reader, link, posts, SLOW_S if i == 0 else 0.0) for i in range(READERS)]
-        readers = [each.__enter__() for each in running]
+    with keeper(port, folder) as link, ExitStack() as running:
+        readers = [
+            running.enter_context(process(reader, link, posts, SLOW_S if i == 0 else 0.0)) for i in range(READERS)
+        ]
         with process(replica_poster, link, posts, folder / "state") as poster:
             poster.send("go")
             posted_s, acknowledged_s = poster.recv()
             told = [each.recv() if each.poll(GIVE_UP_S) else (0, posts, GIVE_UP_S) for each in readers[1:]]
         readers[0].send("enough")
         slow = readers[0].recv() if readers[0].poll(10.0) else (0, 0, 0.0)
-        for each in running:
-            each.__exit__(None, None, None)
     lost = sum(posts - come for come, _, _ in told)
     print(
         f"{posts} posts to {READERS} readers, one of them slow: posted in {posted_s:.1f} s, acknowledged after "
@@ -320,6 +369,7 @@ def main() -> None:
         if options.only in (None, "late"):
             late_joiner(options.port + 2, Path(folder) / "late")
         if options.only in (None, "slow"):
+            bare_slow_reader(options.posts, options.port + 5)
             slow_reader(options.posts, options.port + 4, Path(folder) / "slow")
 
 
