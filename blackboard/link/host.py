@@ -62,6 +62,7 @@ class Host:
         self._queue: SimpleQueue[Item] = SimpleQueue()
         self._stopping = False
         self._clock_told = False
+        self._troubles: set[str] = set()  # told
 
     def run(self) -> None:
         """Join the boards and work until stopped. Raises LinkError where no keeper answers."""
@@ -106,6 +107,11 @@ class Host:
     def _beat(self, shares: Sequence[Share], *, leaving: bool = False) -> None:
         for share in shares:
             share.beat(self.machine, _VERSION, leaving=leaving)
+        for share in shares:
+            trouble = share.replica.trouble
+            if trouble and trouble not in self._troubles:
+                self._troubles.add(trouble)
+                sys.stderr.write(f"ski: {self.plan.name}: {trouble}\n")
         clock = shares[0].replica.clock
         if clock.running and not self._clock_told and abs(clock.best.wall_offset_s) > CLOCK_OFF_S:
             self._clock_told = True

@@ -2,6 +2,9 @@
 
 Envelopes are appended to segment files in the order of posting, before they are sent. A segment goes once all of it is
 acknowledged. What an earlier boot of the host left is found at the start, and handed to the keeper under its old numbers.
+
+A disk that is full does not stop a robot: what cannot be written is kept in memory, and `trouble` says so. Where so much waits that
+memory would run out (hours without a keeper, or a role that may not post what the host posts), the oldest goes and is counted.
 """
 
 import os
@@ -15,15 +18,20 @@ from blackboard.link.envelope import Envelope, attachment_of, read_origin
 from blackboard.link.lanes import LANES, Lane
 
 SEGMENT_BYTES = 4_000_000
+LIMIT_BYTES = 256_000_000  # an hour of a sonar robot without a keeper
 SUFFIX = ".outbox"
 
 
 class Outbox:
     """The unacknowledged envelopes of one boot, in memory and, where there is a folder, on disk."""
 
-    def __init__(self, folder: Path | None = None) -> None:
+    def __init__(self, folder: Path | None = None, limit_bytes: int = LIMIT_BYTES) -> None:
         """Read what earlier boots left in `folder`; raise LinkError where it cannot be used."""
         self.left: list[Envelope] = []
+        self.trouble = ""  # why not all of it is on disk
+        self.dropped = 0
+        self._limit_bytes = limit_bytes
+        self._bytes: dict[Lane, int] = dict.fromkeys(LANES, 0)
         self._waiting: dict[Lane, deque[Envelope]] = {lane: deque() for lane in LANES}
         self._folder = folder
         self._segments: deque[tuple[Path, dict[Lane, int]]] = deque()  # closed ones, with the last number of each lane
@@ -44,26 +52,51 @@ class Outbox:
                 raise LinkError(f"{folder}: cannot be used ({error.strerror}); choose another --state") from None
 
     def add(self, envelope: Envelope) -> None:
-        """Keep an envelope until it is acknowledged. Raises LinkError where the disk takes no more."""
-        self._waiting[envelope.origin.lane].append(envelope)
-        if self._folder is None:
-            return
-        line = b"%s\t%s\n" % (attachment_of(envelope.origin), envelope.payload)
+        """Keep an envelope until it is acknowledged."""
+        lane = envelope.origin.lane
+        self._waiting[lane].append(envelope)
+        self._bytes[lane] += len(envelope.payload)
+        if sum(self._bytes.values()) > self._limit_bytes:
+            self._drop_oldest()
+        if self._folder is not None:
+            self._write(b"%s\t%s\n" % (attachment_of(envelope.origin), envelope.payload))
+            self._last[lane] = envelope.origin.number
+            if self._size >= SEGMENT_BYTES:
+                self._rotate()
+
+    def _write(self, line: bytes) -> None:
         try:
-            os.write(self._file, line)
+            written = os.write(self._file, line)
+            if written == len(line):
+                self._size += written
+                self.trouble = ""
+                return
+            os.ftruncate(self._file, self._size)  # no torn line may stand between whole ones
+            self.trouble = "no space left on device"
         except OSError as error:
-            raise LinkError(f"{self._folder}: writing failed ({error.strerror}); free some space") from None
-        self._last[envelope.origin.lane] = envelope.origin.number
-        self._size += len(line)
-        if self._size >= SEGMENT_BYTES:
-            self._close_segment()
+            self.trouble = (error.strerror or str(error)).lower()
+
+    def _rotate(self) -> None:
+        try:
+            before, path = self._file, self._path
+            last = self._last
             self._open()
+        except OSError as error:
+            self.trouble = (error.strerror or str(error)).lower()
+            return
+        os.close(before)
+        self._segments.append((path, last))
+
+    def _drop_oldest(self) -> None:
+        lane = max(LANES, key=lambda lane: self._bytes[lane])
+        self._bytes[lane] -= len(self._waiting[lane].popleft().payload)
+        self.dropped += 1
 
     def acknowledge(self, lane: Lane, number: int) -> None:
         """Let go of all up to a number."""
         waiting = self._waiting[lane]
         while waiting and waiting[0].origin.number <= number:
-            waiting.popleft()
+            self._bytes[lane] -= len(waiting.popleft().payload)
         while self._segments and not self._needed(self._segments[0][1]):
             self._segments.popleft()[0].unlink(missing_ok=True)
 
@@ -91,7 +124,8 @@ class Outbox:
     def close(self) -> None:
         """Close the file, and take it away where nothing in it is needed."""
         if self._file >= 0:
-            self._close_segment()
+            os.close(self._file)
+            self._segments.append((self._path, self._last))
             self._file = -1
         for lane, waiting in self._waiting.items():
             if not waiting:
@@ -106,10 +140,6 @@ class Outbox:
         self._path = self._folder / f"{self._number:08d}{SUFFIX}"
         self._file = os.open(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
         self._size, self._last = 0, {}
-
-    def _close_segment(self) -> None:
-        os.close(self._file)
-        self._segments.append((self._path, self._last))
 
 
 def _read(path: Path) -> list[Envelope]:

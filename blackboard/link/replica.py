@@ -47,6 +47,8 @@ WINDOW = 2000  # envelopes of a lane sent at once without an acknowledgement; mo
 LATE_AFTER_S = 0.5  # two and a half of the keeper's beats: what is not acknowledged by then was dropped on the way
 LATE_BYTES = 1_000_000  # of one batch
 LATE_ANSWER_S = 5.0
+HEARD_S = 2.0  # a keeper heard of since then is there
+NOT_TAKEN = 10  # batches in a row without an answer from a keeper that is there
 JOIN_S = 10.0  # a keeper that restarts is back long before
 
 Item = Callable[[], None]  # what came, ready to be handled on the loop
@@ -88,10 +90,10 @@ class Replica:
         self._sent_s: dict[Lane, float] = dict.fromkeys(LANES, 0.0)  # when the oldest unacknowledged may have been lost
         self._unsent: dict[Lane, int] = dict.fromkeys(LANES, 0)  # the last number that was not sent at once
         self._handed: dict[Lane, int] = dict.fromkeys(LANES, 0)  # handed in up to here, acknowledged or not
+        self._not_taken = 0  # batches handed in that a keeper which is there did not answer
         self._late_underway = 0  # batches whose answer has not come
         self._lanes: dict[str, Lane] = {}
         self._measured_s = float("-inf")
-        self._watched: list[Callable[[str, bool], None]] = []
         self.keeper_heard_s = float("-inf")  # by the monotonic clock
 
     # Joining
@@ -152,6 +154,17 @@ class Replica:
             leaving=leaving,
         )
         self._session.put(addresses.host_beat(self._robot, self.host), msgspec.json.encode(beat), lane="command")
+
+    @property
+    def trouble(self) -> str:
+        """What a person must do something about; empty where all is well."""
+        if self._outbox.trouble:
+            return f"what is posted is kept in memory only, its disk takes nothing ({self._outbox.trouble}); free some space"
+        if self._outbox.dropped:
+            return "the keeper takes too little of what is posted: the oldest is lost"
+        if self._not_taken >= NOT_TAKEN:
+            return "the keeper is there and does not take what is posted; may this member's role post it? See `ski board status`"
+        return ""
 
     @property
     def unacknowledged(self) -> int:
@@ -215,6 +228,10 @@ class Replica:
         for answer in answers:
             if not answer.error:
                 self._take_beat(answer.payload)
+        if any(not answer.error for answer in answers):
+            self._not_taken = 0
+        elif time.monotonic() - self.keeper_heard_s < HEARD_S:
+            self._not_taken += 1
         if not self._late_underway and any(self._handed[lane] < self._unsent[lane] for lane in LANES):
             self._hand_in()
 

@@ -65,3 +65,27 @@ def test_a_foreign_file_is_refused(tmp_path):
     (tmp_path / "00000001.outbox").write_bytes(b"hello\n")
     with pytest.raises(LinkError, match="not an outbox"):
         Outbox(tmp_path)
+
+
+def test_a_full_disk_keeps_what_is_posted_in_memory_and_the_file_whole(tmp_path, monkeypatch):
+    outbox = Outbox(tmp_path)
+    outbox.add(envelope(1))
+    write = module.os.write
+    monkeypatch.setattr(module.os, "write", lambda file, line: write(file, line[:7]))  # as a disk that fills up does
+    outbox.add(envelope(2))
+    assert outbox.trouble == "no space left on device"
+    monkeypatch.undo()
+    outbox.add(envelope(3))
+    assert outbox.trouble == ""
+    assert numbers(outbox.waiting("knowledge")) == [1, 2, 3]
+    assert numbers(Outbox(tmp_path).left) == [1, 3]
+
+
+def test_where_memory_would_run_out_the_oldest_of_the_fullest_lane_goes(tmp_path):
+    outbox = Outbox(limit_bytes=100)
+    outbox.add(envelope(1, "command"))
+    for number in range(1, 9):
+        outbox.add(envelope(number, text=b"x" * 20))
+    assert outbox.dropped == 5
+    assert numbers(outbox.waiting("command")) == [1]
+    assert numbers(outbox.waiting("knowledge")) == [6, 7, 8]
