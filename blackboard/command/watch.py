@@ -6,9 +6,8 @@ import sys
 import time
 from contextlib import suppress
 
-from rich.console import Console
+from rich.console import Console, Group
 from rich.live import Live
-from rich.table import Table
 
 from blackboard.command.arguments import seconds
 from blackboard.command.connection import add_connection_options, link_params
@@ -106,7 +105,7 @@ class _Watch:
                 break
         return rows
 
-    def _table(self, at_s: float, width: int, height: int | None) -> Table:
+    def _table(self, at_s: float, width: int, height: int | None) -> Group:
         rows = sorted_rows(self._rows(at_s, height), self._options.sort)
         clock_s = self._traffic.clock_s(at_s)
         words = [

@@ -61,6 +61,8 @@ def _silent(robot: RobotFacts, clock_s: float, linked: list[HostFacts], params: 
     for source in robot.activations:
         host = next((host for host in linked if source.name in host.components), None)
         silent_s = clock_s - source.stamp_s
+        if source.name in robot.failed:
+            continue
         if host is not None and source.wakers_came and not source.rests and _is_silent(source, silent_s, params):
             yield Finding(
                 about="silent source",

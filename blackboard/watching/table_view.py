@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
@@ -46,7 +47,7 @@ def rate_words(rate_hz: float) -> str:
     return f"{rate_hz:.1f}" if rate_hz >= 0.095 else f"{rate_hz:.2f}"
 
 
-def table_of(rows: Sequence[Row], title: str, width: int, height: int | None = None) -> Table:
+def table_of(rows: Sequence[Row], title: str, width: int, height: int | None = None) -> Group:
     """Return the rows as a table of at most `width` letters and `height` lines; what does not fit is counted below.
 
     Where it is narrow, hosts are left out, then kinds: the keys must be told apart.
@@ -55,7 +56,7 @@ def table_of(rows: Sequence[Row], title: str, width: int, height: int | None = N
     shown = rows if len(rows) <= most else rows[: most - 1]
     words = [(_key(row), row.type, row.source, row.host) for row in shown]
     widths = _widths([max(map(len, column)) for column in zip(*words, strict=True)] if words else [0, 0, 0, 0], width)
-    table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold", header_style="bold")
+    table = Table(box=None, pad_edge=False, header_style="bold")
     for name, letters in zip(TEXTS, widths, strict=True):
         if letters:
             table.add_column(name, width=letters, no_wrap=True)
@@ -71,7 +72,7 @@ def table_of(rows: Sequence[Row], title: str, width: int, height: int | None = N
         )
     if len(rows) > most:
         table.add_row(Text(_cut(f"... {len(rows) - most + 1} more", widths[0])), style="dim")
-    return table
+    return Group(Text(_cut(title, width), style="bold"), table)
 
 
 def _widths(longest: Sequence[int], width: int) -> list[int]:

@@ -181,6 +181,7 @@ def test_what_is_no_silence() -> None:
     late = {"clock_s": 200.0, "readings": ()}
     assert findings(with_board(**late, activations=(replace(GRID, wakers_came=0),))) == []  # nothing wakes it
     assert findings(with_board(**late, activations=(replace(GRID, rests=True),))) == []
+    assert the_one(with_board(**late, failed={"eou_grid": "KeyError"})).about == "component failed"
     assert findings(with_board(**late, activations=(replace(GRID, count=19),))) == []  # no rhythm yet
     assert findings(with_board(**late, mission="done")) == []
     assert findings(with_board(clock_s=200.0, activations=(), readings=(replace(SONAR, count=3),))) == []
