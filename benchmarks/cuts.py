@@ -26,8 +26,6 @@ from trial import TRIAL, run_to_end
 
 PORT = 7447  # nobody else is in the namespace
 LIMIT_S = 1800.0
-FIRST_S = 30.0
-REST_S = 25.0  # between two cuts, mission seconds: the robot has gone on
 MUST_STAND_S = 0.5
 ROLES = {"robot": "robot", "behaviours": "robot", "knowledge_sources": "knowledge", "rules": "planner", TRIAL: "viewer"}
 HEAD = "cut at s   for s   told to stand s   wheels stood s   driven m   went on s"
@@ -54,7 +52,7 @@ def trial(options: argparse.Namespace, folder: Path) -> bool:
     )
     times: list[tuple[float, float]] = []  # wall clock: pulled, plugged
     acts: list[tuple[float, Callable[[], None]]] = []
-    at_s = FIRST_S
+    at_s = options.first
     for for_s in options.cuts:
 
         def cut() -> None:
@@ -66,7 +64,7 @@ def trial(options: argparse.Namespace, folder: Path) -> bool:
             times[-1] = (times[-1][0], time.time())
 
         acts += [(at_s, cut), (at_s + for_s * options.pace, heal)]
-        at_s += for_s * options.pace + REST_S
+        at_s += for_s * options.pace + options.rest
     with Processes(deployment) as processes:
         report = run_to_end(processes, acts, limit_s=options.duration)
         drives, readings = moves(deployment.journal, deployment.robot)
@@ -105,6 +103,8 @@ def main() -> None:
     parser.add_argument("--mission", default="explore-lab")
     parser.add_argument("--far", nargs="+", default=["robot"], choices=HOSTS, help="what runs on the other machine")
     parser.add_argument("--cuts", nargs="+", type=float, default=[2.0, 6.0, 20.0], metavar="S")
+    parser.add_argument("--first", type=float, default=30.0, metavar="S", help="when, mission seconds")
+    parser.add_argument("--rest", type=float, default=25.0, metavar="S", help="between two cuts")
     parser.add_argument("--pace", type=float, default=1.0, help="mission seconds per second")
     parser.add_argument("--duration", type=float, default=LIMIT_S, help="mission seconds at most", metavar="S")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="leave journals and logs here")
