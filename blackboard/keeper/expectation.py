@@ -7,6 +7,7 @@ only when it was expected a while ago.
 from dataclasses import dataclass
 
 from blackboard.keeper.positions import BootLane, LanePositions
+from blackboard.link.lanes import LANES
 
 MAX_LANES = 10_000  # with what their hosts say; of boots long gone nothing more is expected
 
@@ -33,8 +34,9 @@ class Expectation:
 
     def say(self, host: str, boot: str, lanes: dict[str, int]) -> None:
         """Take note of what a host says that it has sent."""
-        for lane, number in lanes.items():
-            self._sent[(host, boot, lane)] = number
+        for lane in LANES:
+            if lane in lanes:
+                self._sent[(host, boot, lane)] = lanes[lane]
 
     def look(self, positions: LanePositions) -> None:
         """Remember what is expected at this moment; what was expected at the last look is due from now on."""

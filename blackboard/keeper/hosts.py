@@ -13,6 +13,7 @@ from msgspec.structs import replace
 from blackboard.link.clock import CLOCK_OFF_S, clock_is_off
 from blackboard.messages.hosts import HostBeat, HostStatus
 
+MAX_HOSTS = 1000  # of one robot: a wrong program must not make one for each number it can think of
 State = Literal["alive", "hung", "dead", "stopped"]
 
 
@@ -43,6 +44,10 @@ class HostWatch:
         self._hung_s = hung_s
         self._starting_s = starting_s
         self._hosts: dict[str, Host] = {}
+
+    def takes(self, host: str) -> bool:
+        """Say whether a host is known, or one more can be."""
+        return host in self._hosts or len(self._hosts) < MAX_HOSTS
 
     def linked(self, host: str, boot: str, alive: bool, now_s: float) -> None:
         """Take note of a liveliness token that came or ended."""
@@ -106,7 +111,9 @@ class HostWatch:
         details = [f"another process has the same name, boot {name}" for name in others]
         beat = boot.beat
         if beat is None:
-            return replace(told or HostStatus(state=state, boot=boot.name), state=state, detail="; ".join(details))
+            return replace(
+                told or HostStatus(state=state, boot=boot.name), state=state, detail="; ".join(details)[:4000]
+            )
         if state == "alive":
             details += [f"{c} runs in {', '.join(twice[c])}" for c in beat.components if len(twice.get(c, ())) > 1]
         if abs(beat.offset_s) > CLOCK_OFF_S:

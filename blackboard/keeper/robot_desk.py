@@ -82,11 +82,13 @@ class RobotDesk:
         sent = []
         for host, status in list(self._unposted.items()):
             message, origin = self._status_entry(host, status)
-            if not self.kept.take([message], now_s).taken:
+            took = self.kept.take([message], now_s)
+            if not took.written:
                 break  # it is tried again
-            self._number = origin.number
             del self._unposted[host]
-            sent.append((message, origin))
+            if took.taken:
+                self._number = origin.number
+                sent.append((message, origin))
         return sent
 
     def beat_due(self, now_s: float) -> bool:

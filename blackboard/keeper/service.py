@@ -248,20 +248,32 @@ class Keeper:
 
     def _linked(self, linked: Linked, now_s: float) -> None:
         chunks = linked.key.split("/")
-        desk = self._desk(chunks[1])
-        if desk is not None and is_chunk(chunks[3]) and is_chunk(chunks[5]):
-            desk.hosts.linked(chunks[3], chunks[5], linked.alive, now_s)
+        boot = chunks[-1]
+        desk = self._desk_of_host(linked.key, boot)
+        if desk is not None:
+            desk.hosts.linked(chunks[3], boot, linked.alive, now_s)
 
     def _beaten(self, beaten: Beaten, now_s: float) -> None:
-        chunks = beaten.key.split("/")
         try:
             beat = msgspec.json.decode(beaten.payload, type=HostBeat)
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
             self._refuse("beat", f"{beaten.key}: {error}")
             return
+        desk = self._desk_of_host(beaten.key, beat.boot)
+        if desk is not None:
+            desk.host_beat(beaten.key.split("/")[3], beat, now_s)
+
+    def _desk_of_host(self, key: str, boot: str) -> RobotDesk | None:
+        """Return the desk that a host's beat or token is for; None, counted, where the key or the boot is malformed."""
+        chunks = key.split("/")
+        if len(chunks) < 5 or not is_chunk(chunks[3]) or not is_chunk(boot):
+            self._refuse("host", f"{key}: host and boot must be names, not {boot[:80]!r}")
+            return None
         desk = self._desk(chunks[1])
-        if desk is not None and is_chunk(chunks[3]):
-            desk.host_beat(chunks[3], beat, now_s)
+        if desk is not None and not desk.hosts.takes(chunks[3]):
+            self._refuse("host", f"{key}: more hosts than anybody has")
+            return None
+        return desk
 
     def _refuse(self, reason: str, text: str) -> None:
         said = self.refusals.note(reason, text, "?")

@@ -156,6 +156,17 @@ def test_what_a_host_says_it_sent_and_never_came_is_missing(client, battery):
     assert status_of(client).missing == 0
 
 
+def test_beats_and_tokens_that_name_no_host_are_refused(client):
+    client.announce("ski/k2a/@hosts/h/**")
+    client.announce("ski/k2a/@hosts/h/alive/*")
+    client.put("ski/k2a/@hosts/**", beat_of("m1"))
+    client.put("ski/k2a/@hosts/map/beat", beat_of("m 1"))
+    client.put("ski/k2a/@hosts/map/beat", b"{}")
+    while status_of(client).refused.get("host", 0) < 3:
+        pass
+    assert status_of(client).clients == 0
+
+
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     key=st.sampled_from(
