@@ -19,7 +19,12 @@ READABLE = (  # a verbatim chunk (@...) is matched by no wildcard, so each stand
     "ski/@manager/**",
 )
 MANAGER = "manager"  # the host that `ski up` is while it says how the processes of its mission fare
-ASKABLE = ("ski/**", "ski/@keeper/**", *(f"ski/*/@keeper/{what}" for what in ("clock", "snapshot", "lost")))
+ASKABLE = (
+    "ski/**",
+    "ski/@keeper/**",
+    "ski/@agents/*/state",
+    *(f"ski/*/@keeper/{what}" for what in ("clock", "snapshot", "lost")),
+)
 
 # What a role posts, below ski/<robot>/. A viewer posts nothing.
 POSTS: dict[str, tuple[str, ...]] = {

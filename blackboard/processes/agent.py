@@ -158,6 +158,7 @@ class Agent:
         session.subscribe("ski/*/@keeper/beat", self._events.put)
         session.subscribe("ski/*/@hosts/*/beat", self._events.put)
         session.serve(f"{here}/order", self._events.put)
+        session.serve(f"{here}/state", self._events.put)
         session.announce(f"{here}/alive/{self.boot}")
         self._changed = True
 
@@ -178,7 +179,7 @@ class Agent:
     def _answer(self, question: Question) -> None:
         """Do what an order says; a question without one only wants to know."""
         try:
-            if question.payload:
+            if question.payload and question.key.endswith("/order"):  # anybody may ask for the state
                 self._obey(decode(question.payload, Order))
             question.reply(question.key, encode(self._now()))
         except LinkError as error:

@@ -82,7 +82,7 @@ def check_free(status: KeeperStatus, robot: str, address: str) -> None:
 def agents_at(session: Session, machine: str = "*", timeout_s: float = 2.0) -> list[AgentReport]:
     """Return how the executors that a keeper reaches fare."""
     reports = []
-    for answer in session.ask(f"{AGENTS}/{machine}/order", timeout_s=timeout_s):
+    for answer in session.ask(f"{AGENTS}/{machine}/state", timeout_s=timeout_s):
         if not answer.error:
             reports.append(decode(answer.payload, AgentReport))
     return sorted(reports, key=lambda report: report.machine)

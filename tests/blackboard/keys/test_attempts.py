@@ -126,17 +126,19 @@ def test_nobody_offers_a_history_of_zenohs_own(router):
         router.wait("rejected", "offer to answer", "k2a", key)
 
 
-def test_an_executor_answers_an_operator_and_nobody_else(router):
-    key = "ski/@agents/barn/order"
+def test_an_executor_obeys_an_operator_and_tells_everybody_how_it_fares(router):
+    key, state = "ski/@agents/barn/order", "ski/@agents/barn/state"
     asked: queue.Queue[object] = queue.Queue()
 
     def answer() -> None:
-        question = asked.get(timeout=PATIENCE_S)
-        question.reply(key, question.payload.to_bytes())
-        question.drop()
+        for _ in range(2):
+            question = asked.get(timeout=PATIENCE_S)
+            question.reply(question.key_expr, question.payload.to_bytes())
+            question.drop()
 
     with router.open("barn") as session, router.open("eve") as viewer, router.open("olga") as operator:
         session.declare_queryable(key, asked.put)
+        session.declare_queryable(state, asked.put)
         session.put("ski/@agents/barn/report", b"ready to answer")
         router.wait("arrived", "ski/@agents/barn/report", "ready to answer")
         thread = threading.Thread(target=answer)
@@ -145,6 +147,7 @@ def test_an_executor_answers_an_operator_and_nobody_else(router):
         router.wait("rejected", "question", "eve", key)
         assert [reply for reply in refused if reply.ok is not None] == []
         assert [reply.ok.payload.to_bytes() for reply in operator.get(key, payload=b"start")] == [b"start"]
+        assert [reply.ok.payload.to_bytes() for reply in viewer.get(state, payload=b"well?")] == [b"well?"]
         thread.join()
     assert asked.empty()
 
