@@ -34,7 +34,7 @@ from blackboard.processes.local_agent import LocalAgent
 from blackboard.processes.manager import MissionOrders, orders_of
 from blackboard.processes.overseer import Overseer, manager_name
 from blackboard.processes.protocol import KEEPER, Order, this_machine
-from blackboard.processes.state_folder import MANAGER, Record, StateFolder
+from blackboard.processes.state_folder import AGENT, MANAGER, Record, StateFolder
 from blackboard.report.output_folder import prepare_output_folder, prepare_team_folder
 from blackboard.vocabulary import has_own_kinds
 
@@ -135,6 +135,12 @@ class _Up:
         if not listening(self._link.address):
             if keys or not ours(self._link.address):
                 raise LinkError(f"no keeper answers at {self._link.address}; start one there with `ski board serve`")
+            waiting = self._state.record(AGENT)
+            if waiting is not None:
+                raise LinkError(
+                    f"an agent (process {waiting.who.pid}) waits here for a keeper at {self._link.address}; start that with "
+                    "`ski board serve`, or end the agent with `ski down`: `ski up` brings its own"
+                )
             self._board = self._folder / BOARD
         else:
             with open_session(self._link) as session:

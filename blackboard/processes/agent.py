@@ -15,15 +15,15 @@ from pathlib import Path
 
 import msgspec
 
-from blackboard.errors import LinkError, OutputError
+from blackboard.errors import LinkError
 from blackboard.link.session import Arrived, LinkParams, Question, Session, open_session
 from blackboard.messages.hosts import HostBeat
 from blackboard.processes.child import Ended, Started
 from blackboard.processes.commands import host_arguments, host_plan, keeper_plan
 from blackboard.processes.executor import Executor, ProcessPlan, start_anew
 from blackboard.processes.identity import Identity, end_all, identity_of
+from blackboard.processes.launcher import Launched, Launcher
 from blackboard.processes.leash import Leash, LeashParams, let_go, passed
-from blackboard.processes.nursery_children import Nursery, can_fork
 from blackboard.processes.protocol import (
     AGENTS,
     KEEPER,
@@ -62,7 +62,7 @@ class Agent:
         self.boot = f"{os.getpid()}-{time.time_ns():x}"
         self._events: queue.SimpleQueue[object] = queue.SimpleQueue()
         self._executor = Executor(params.machine, params.state.logs, self._events.put, self._launch)
-        self._nursery: Nursery | None = None
+        self._launcher = Launcher(params.state.logs / "nursery.log", self._events.put)
         self._plans = plans or (lambda order, state: host_plan(order, params.link, params.machine, state))
         self._leash = Leash()
         self._session: Session | None = None
@@ -96,7 +96,7 @@ class Agent:
             self._loop()
         finally:
             self._executor.kill_all()
-            self._close_nursery()
+            self._launcher.close()
             if self._session is not None:
                 self._session.close()
             for name in (*self._written, AGENT):
@@ -130,6 +130,9 @@ class Agent:
                 self._let_go("it was asked to end")
             case Ended():
                 self._executor.take_end(event, time.monotonic())
+                self._changed = True
+            case Launched():
+                self._executor.launched(event.plan, event.child, event.error, time.monotonic())
                 self._changed = True
             case Order():
                 with contextlib.suppress(LinkError):  # only of one that is ending
@@ -195,7 +198,7 @@ class Agent:
             raise LinkError(f"{self._params.machine} is held by another manager; end its mission with `ski down`")
         states = self._params.state.hosts_of(order.manager)
         if not held_by:
-            self._close_nursery()  # what was loaded for another mission, maybe of long ago
+            self._launcher.forget()  # what was loaded for another mission, maybe of long ago
         plans = [self._plans(host, states / host.name) for host in order.hosts]
         self._why = ""
         self._keeper_goes = False
@@ -206,7 +209,7 @@ class Agent:
         now_s = time.monotonic()
         self._mission = order.hosts[0].mission if order.hosts else order.prepare
         if self._mission:
-            self._prepare(self._mission)
+            self._launcher.prepare(self._mission)
         if order.keeper_folder is not None:
             plan = keeper_plan(self._params.link, Path(order.keeper_folder), order.keeper_mission)
             self._executor.start(plan, now_s)
@@ -218,28 +221,13 @@ class Agent:
         self._write_down()
         self._changed = True
 
-    def _prepare(self, mission: str) -> None:
-        """Have a nursery for a mission, where this system can have one."""
-        if self._nursery is not None and (self._nursery.mission != mission or not self._nursery.alive):
-            self._close_nursery()
-        if self._nursery is None and can_fork():
-            with contextlib.suppress(OutputError):
-                self._nursery = Nursery(mission, self._params.state.logs / "nursery.log")
-
-    def _close_nursery(self) -> None:
-        if self._nursery is not None:
-            self._nursery.close()
-            self._nursery = None
-
-    def _launch(self, plan: ProcessPlan, log: Path, ended: Callable[[Ended], None]) -> Started:
-        """Fork a host where that is possible, else start it from nothing."""
+    def _launch(self, plan: ProcessPlan, log: Path, ended: Callable[[Ended], None]) -> Started | None:
+        """Fork a host, which may have to wait until its mission is loaded; start anything else from nothing."""
         arguments = host_arguments(plan.command)
-        if arguments is not None:
-            self._prepare(self._mission)
-            if self._nursery is not None:
-                with contextlib.suppress(OutputError):
-                    return self._nursery.start(plan.name, arguments, log, ended)
-        return start_anew(plan, log, ended)
+        if arguments is None:
+            return start_anew(plan, log, ended)
+        self._launcher.start(plan, arguments, log, ended)
+        return None
 
     def _let_go(self, why: str) -> None:
         self._why = why

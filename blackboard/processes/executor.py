@@ -42,6 +42,7 @@ class _Held:
     plan: ProcessPlan
     state: State = "starting"
     child: Started | None = None
+    pending: bool = False  # being started: the child will come by `launched`
     started_s: float = 0.0
     ends_s: list[float] = field(default_factory=list)
     restarts: int = 0
@@ -54,7 +55,7 @@ class _Held:
     dropped: bool = False
 
 
-Launch = Callable[[ProcessPlan, Path, Callable[[Ended], None]], Started]
+Launch = Callable[[ProcessPlan, Path, Callable[[Ended], None]], Started | None]  # None: it comes by `launched`
 
 
 def start_anew(plan: ProcessPlan, log: Path, ended: Callable[[Ended], None]) -> Started:
@@ -94,10 +95,25 @@ class Executor:
             if held is None:
                 continue
             held.start_s, held.dropped = None, True
-            if held.child is None:
+            if held.child is None and not held.pending:
                 del self._held[name]
             else:
                 self._ask_to_end(held, now_s)
+
+    def launched(self, plan: ProcessPlan, child: Started | None, error: str, now_s: float) -> None:
+        """Take a process that was being started; None: it could not be, for some reason."""
+        held = self._held.get(plan.name)
+        if held is None or not held.pending:
+            if child is not None:
+                child.kill()
+            return
+        held.pending, held.child, held.started_s = False, child, now_s
+        if child is None:
+            held.state, held.last_line = "failed", error
+            if held.dropped:
+                del self._held[plan.name]
+        elif held.dropped or held.plan != plan:
+            self._ask_to_end(held, now_s)
 
     def hear(self, name: str, pid: int | None = None) -> bool:
         """Take note of a heartbeat, of whatever process bears the name where no number came with it; say whether that changed
@@ -176,7 +192,7 @@ class Executor:
                 held.child.join(5.0)
 
     def _start_due(self, held: _Held, now_s: float) -> bool:
-        if held.start_s is None or held.child is not None or now_s < held.start_s:
+        if held.start_s is None or held.child is not None or held.pending or now_s < held.start_s:
             return False
         held.restarts += 1
         self._spawn(held, now_s)
@@ -188,6 +204,7 @@ class Executor:
         held.state = "starting" if held.plan.hang_s is not None and not held.plan.source else "running"
         try:
             held.child = self._launch(held.plan, self._logs / f"{held.plan.name}.log", self._ended)
+            held.pending = held.child is None
         except OutputError as error:
             held.state, held.last_line = "failed", str(error)
 

@@ -31,6 +31,7 @@ from blackboard.processes.protocol import (
 BEAT_S = 0.5
 ORDER_AGAIN_S = 2.0
 SOURCE = "manager"
+SILENCE = "Timeout"  # zenoh's word for no answer
 Later = Callable[[Callable[[], None]], None]  # does something on the loop of who owns the board
 
 
@@ -212,6 +213,8 @@ class Manager:
 
         def answered(answers: Sequence[Answer]) -> None:
             for answer in answers:
+                if answer.error == SILENCE:
+                    continue  # it is being killed, or very busy: it is asked again when it is heard
                 if answer.error:
                     self.refusals[machine] = answer.error
                 else:

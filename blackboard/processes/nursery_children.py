@@ -23,6 +23,7 @@ from blackboard.processes.identity import Identity, gone_within, identity_of, se
 from blackboard.processes.nursery import MAX_BYTES, Asked, Told
 
 FORK_S = 20.0  # the first one waits until the mission is loaded
+CLOSE_S = 3.0  # to finish what it is loading
 UNKNOWN = -signal.SIGKILL  # the code of an end that nobody saw
 
 
@@ -115,6 +116,7 @@ class Nursery:
                 os.close(theirs)
         if pid == 0:  # a late answer must not be taken for the next one's
             os.close(ours)
+            self.alive = False
             with contextlib.suppress(OSError):
                 self._link.shutdown(socket.SHUT_RDWR)
             raise OutputError(f"{name} cannot be forked: the nursery does not answer")
@@ -132,7 +134,11 @@ class Nursery:
         """Let it end; children that it forked run on."""
         with contextlib.suppress(OSError):
             self._link.shutdown(socket.SHUT_RDWR)
-        self._process.wait()
+        try:
+            self._process.wait(CLOSE_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
 
     def _ask(self, asked: Asked, handles: Sequence[int] = ()) -> None:
         socket.send_fds(self._link, [msgspec.json.encode(asked)], list(handles))

@@ -4,13 +4,13 @@ import os
 import queue
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 from blackboard.processes.child import Ended
-from blackboard.processes.executor import Executor, ProcessPlan
+from blackboard.processes.executor import Executor, ProcessPlan, start_anew
 from blackboard.processes.identity import gone_within, identity_of
 from blackboard.processes.protocol import ProcessReport
 from blackboard.processes.restarts import Restart
@@ -209,3 +209,69 @@ def test_the_leash_parts_with_its_holder(owner: Owner, pipe: Path) -> None:
     assert grandchild is not None
     os.kill(owner.report.pid, signal.SIGKILL)
     assert gone_within(grandchild, 20.0)
+
+
+class Late:
+    """An owner whose processes are started elsewhere and come later."""
+
+    def __init__(self, logs: Path) -> None:
+        self.ends: queue.SimpleQueue[Ended] = queue.SimpleQueue()
+        self.asked: list[tuple[ProcessPlan, Path, Callable[[Ended], None]]] = []
+        self.executor = Executor("desk", logs, self.ends.put, lambda *asked: self.asked.append(asked))  # type: ignore[func-returns-value]
+
+    def come(self) -> int:
+        plan, log, ended = self.asked.pop(0)
+        child = start_anew(plan, log, ended)
+        self.executor.launched(plan, child, "", 100.0)
+        return child.pid
+
+    def states(self) -> dict[str, str]:
+        return {report.name: report.state for report in self.executor.reports(100.0)}
+
+
+@pytest.fixture
+def late(tmp_path: Path) -> Iterator[Late]:
+    late = Late(tmp_path)
+    try:
+        yield late
+    finally:
+        late.executor.kill_all()
+
+
+PLAN = ProcessPlan(name="map", command=(sys.executable, "-c", LEASHED), hang_s=2.0)
+
+
+def test_one_that_is_being_started_is_waited_for(late: Late) -> None:
+    late.executor.start(PLAN, 100.0)
+    late.executor.tick(101.0, beats_come=True)
+    assert late.states() == {"map": "starting"}
+    assert len(late.asked) == 1
+    pid = late.come()
+    assert late.executor.hear("map", pid)
+    assert late.states() == {"map": "running"}
+
+
+def test_stopped_before_it_has_come_it_is_ended_when_it_comes(late: Late) -> None:
+    late.executor.start(PLAN, 100.0)
+    late.executor.stop(["map"], 100.0)
+    assert late.executor.names == ["map"]
+    late.come()
+    assert late.states() == {"map": "stopping"}
+    late.executor.take_end(late.ends.get(timeout=20), 100.0)
+    assert late.executor.names == []
+
+
+def test_another_plan_before_it_has_come_takes_its_place(late: Late) -> None:
+    late.executor.start(PLAN, 100.0)
+    other = ProcessPlan(name="map", command=PLAN.command)
+    late.executor.start(other, 100.0)
+    late.come()
+    late.executor.take_end(late.ends.get(timeout=20), 100.0)
+    assert [plan for plan, _, _ in late.asked] == [other]
+
+
+def test_one_that_could_not_be_started_has_failed(late: Late) -> None:
+    late.executor.start(PLAN, 100.0)
+    late.executor.launched(PLAN, None, "no more processes", 100.0)
+    (report,) = late.executor.reports(100.0)
+    assert (report.state, report.last_line, report.pid) == ("failed", "no more processes", 0)
