@@ -16,7 +16,8 @@ from blackboard.component import Robot
 from blackboard.entry import Entry
 from blackboard.kinds import Kind
 from blackboard.link.merge import merged
-from blackboard.link.stages import Stages, mission_over
+from blackboard.link.mission_end import mission_over
+from blackboard.link.stages import Stages
 from blackboard.mission import Mission
 from blackboard.placement import HostPlan, placement
 

@@ -7,7 +7,8 @@ from pathlib import Path
 from blackboard.board import Board
 from blackboard.checkpoint import SUFFIX, Checkpointer, mission_identity, packages_of, read_checkpoint
 from blackboard.errors import CheckpointError
-from blackboard.link.stages import RobotStage, Stages
+from blackboard.link.robot_stage import RobotStage
+from blackboard.link.stages import Stages
 from blackboard.mission import Mission
 from blackboard.resumption import show_anew
 
