@@ -1,6 +1,6 @@
 """`board.jsonl`: every recorded post of a run, one line of JSON each, in the order of posting; and reading it back."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -105,3 +105,19 @@ def read_journal(folder: Path) -> Iterator[JournalLine]:
         raise RecordingError(f"{path}: there is no such file; name the output folder of a run") from None
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from None
+
+
+def in_stamp_order(lines: Iterable[JournalLine]) -> Iterator[JournalLine]:
+    """Yield the lines of a keeper's journal by their stamps: what was handed in late stands there where it came, not when it was.
+
+    Those of a run in one process stay as they are.
+    """
+    lines = iter(lines)
+    first = next(lines, None)
+    if first is None:
+        return
+    if first.origin is None:
+        yield first
+        yield from lines
+    else:
+        yield from sorted([first, *lines], key=lambda line: (line.stamp_s, line.revision))

@@ -10,7 +10,7 @@ import msgspec
 
 from blackboard.command.run_folder import add_run_folder, run_folder, stamp
 from blackboard.errors import BoardError
-from blackboard.journal import read_journal
+from blackboard.journal import in_stamp_order, read_journal
 from blackboard.messages.geometry import Point
 from blackboard.object_index import CELL, Object, ObjectIndex, Place, read_objects
 from blackboard.vocabulary import Vocabulary
@@ -47,7 +47,7 @@ def call(options: argparse.Namespace) -> int:
         for flag in ("within", "area", "name", "words"):
             if getattr(options, flag) is not None:
                 raise BoardError(f"--{flag} says nothing of a cell; leave it out, or ask for 'all'")
-    index = read_objects(read_journal(run_folder(options)), Vocabulary(), at_s=options.at)
+    index = read_objects(in_stamp_order(read_journal(run_folder(options))), Vocabulary(), at_s=options.at)
     if options.kind == CELL and place is not None:
         return _tell_cell(index, place, options.json)
     found = index.find(

@@ -6,7 +6,7 @@ import sys
 
 from blackboard.command.run_folder import add_run_folder, run_folder, stamp
 from blackboard.errors import did_you_mean
-from blackboard.journal import read_journal
+from blackboard.journal import in_stamp_order, read_journal
 from blackboard.mission import find_mission, load_mission
 from rules.checks.parts import parts_of
 from rules.explaining.record import situation
@@ -28,7 +28,7 @@ def call(options: argparse.Namespace) -> int:
     """Run the verb."""
     mission = load_mission(find_mission(options.mission)) if options.mission is not None else None
     vocabulary = parts_of(mission).vocabulary if mission is not None else None
-    then = situation(read_journal(run_folder(options)), options.at, vocabulary)
+    then = situation(in_stamp_order(read_journal(run_folder(options))), options.at, vocabulary)
     rules = {rule.name: rule for rule in then.program.rules}
     if options.rule not in rules:
         raise RuleError(f"no rule '{options.rule}' was in force{did_you_mean(options.rule, rules)}")

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from blackboard.errors import OutputError
 from blackboard.folder_lock import FolderLock
-from blackboard.journal import read_journal
+from blackboard.journal import in_stamp_order, read_journal
 from blackboard.keeper.checking import Checker
 from blackboard.keeper.kept_board import KeptBoard
 from blackboard.keeper.params import KeeperParams
@@ -42,6 +42,15 @@ def test_what_comes_is_journalled_and_can_be_read_as_a_run(tmp_path, battery):
         (2, ("robot", "b1", "signal", 2)),
     ]
     assert [e.payload for e in kept.board()] == [battery(2).payload]
+
+
+def test_what_came_late_is_read_in_the_order_of_its_stamps(tmp_path, battery):
+    kept = board(tmp_path)
+    kept.take([battery(n) for n in (1, 4, 3)])
+    kept.take([battery(2)])
+    assert [line.revision for line in read_journal(tmp_path)] == [1, 4, 3, 2]
+    assert [line.revision for line in in_stamp_order(read_journal(tmp_path))] == [1, 2, 3, 4]
+    assert list(in_stamp_order([])) == []
 
 
 REFUSED = [
