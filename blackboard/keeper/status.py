@@ -104,14 +104,21 @@ def told(status: KeeperStatus) -> Iterator[str]:
             offset = f", clock {host.offset_s:+.3f} s" if abs(host.offset_s) >= 0.001 else ""
             detail = f": {host.detail}" if host.detail else ""
             yield f"  host {host.host} {host.state} (boot {host.boot}{offset}){detail}"
-        if board.lanes:
-            yield f"  {'host':16} {'boot':10} {'lane':10} {'posted':>9} {'held':>9} {'missing':>8}"
-        for lane in board.lanes:
-            yield f"  {lane.host:16} {lane.boot:10} {lane.lane:10} {lane.posted:9} {lane.held:9} {lane.missing:8}"
+        yield from _table(board.lanes)
     yield ""
     if status.troubled:
         yield f"what comes now cannot be written down: {', '.join(status.troubled)}"
     yield "nothing is missing" if not status.missing else f"{status.missing} envelopes are MISSING"
+
+
+def _table(lanes: list[LaneStatus]) -> Iterator[str]:
+    rows = [["host", "boot", "lane", "posted", "held", "missing"]]
+    rows += [[x.host, x.boot, x.lane, str(x.posted), str(x.held), str(x.missing)] for x in lanes]
+    widths = [max(len(row[i]) for row in rows) for i in range(6)]
+    for row in rows if lanes else []:
+        words = [f"{word:{width}}" for word, width in zip(row[:3], widths[:3], strict=True)]
+        numbers = [f"{word:>{width}}" for word, width in zip(row[3:], widths[3:], strict=True)]
+        yield "  " + "  ".join(words + numbers)
 
 
 def _counted(what: str, counts: dict[str, int], examples: dict[str, str]) -> Iterator[str]:
