@@ -86,7 +86,7 @@ class Processes:
         """Start a process; of the keeper wait until it listens."""
         self.start_beside(name, [*self.deployment.command(name), "--leashed"])
         if name == KEEPER and name not in self.deployment.inside:
-            self._until_listening()
+            self.until_listening(KEEPER)
 
     def start_beside(self, name: str, command: list[str]) -> None:
         """Start a process that is none of the mission's."""
@@ -134,6 +134,11 @@ class Processes:
         self._frozen.discard(name)
         os.kill(self.pid(name), signal.SIGCONT)
 
+    @property
+    def over(self) -> bool:
+        """Say whether the processes have ended by themselves."""
+        return False
+
     def stop_all(self) -> dict[str, int]:
         """End the hosts in an orderly way, then the keeper; return the exit statuses."""
         hosts = [name for name in self._running if name != KEEPER]
@@ -149,6 +154,19 @@ class Processes:
         """Return what a process has said."""
         path = self.deployment.folder / f"{name}.log"
         return path.read_text(errors="replace") if path.exists() else ""
+
+    def until_listening(self, name: str) -> None:
+        """Wait until the keeper can be reached; raise RuntimeError where process `name` ends before."""
+        host, port = self.deployment.address.rpartition("/")[2].rsplit(":", 1)
+        end_s = time.monotonic() + START_S
+        while self.runs(name):
+            with socket.socket() as asked:
+                if asked.connect_ex((host, int(port))) == 0:
+                    return
+            if time.monotonic() > end_s:
+                break
+            time.sleep(0.02)
+        raise RuntimeError(f"the keeper does not listen at {self.deployment.address}:\n{self.log(name)}")
 
     def _ask_to_end(self, name: str) -> int | None:
         process = self._running[name]
@@ -166,18 +184,6 @@ class Processes:
         if process.stdin is not None:
             process.stdin.close()
         return status
-
-    def _until_listening(self) -> None:
-        host, port = self.deployment.address.rpartition("/")[2].rsplit(":", 1)
-        end_s = time.monotonic() + START_S
-        while self.runs(KEEPER):
-            with socket.socket() as asked:
-                if asked.connect_ex((host, int(port))) == 0:
-                    return
-            if time.monotonic() > end_s:
-                break
-            time.sleep(0.02)
-        raise RuntimeError(f"the keeper does not listen at {self.deployment.address}:\n{self.log(KEEPER)}")
 
     def __enter__(self) -> Self:
         return self

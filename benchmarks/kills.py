@@ -1,12 +1,12 @@
 """kill -9 of each process in turn, in mid-mission: does the mission finish, is anything lost, does the robot touch anything?
 
-python benchmarks/kills.py [--mission M] [--pace P] [--rounds N] [--each NAME ...] [--seed S]
+python benchmarks/kills.py [--mission M] [--pace P] [--rounds N] [--each NAME ...] [--seed S] [--up]
 
-In each run one process is killed at a time drawn with the seed, and started again at once. A row each: which process, and when on
-the mission's clock; how the mission ended and when, and how much later than without a kill (the same seed in five processes,
-first row; no two runs are alike, since they are in real time); contacts that the robot caused; what was posted, what of it the
-keeper has not got in the end (lost), what stands twice in its journal, what still waits in an outbox, and what the boards of
-the hosts have missed.
+In each run one process is killed at a time drawn with the seed, and started again at once (with --up by the executor daemon of
+`ski up`). A row each: which process, and when on the mission's clock; how the mission ended and when, and how much later than
+without a kill (first row; no two runs are alike, since they are in real time); contacts that the robot caused; what was posted,
+what of it the keeper has not got in the end (lost), what stands twice in its journal, what still waits in an outbox, and what
+the boards of the hosts have missed.
 """
 
 import argparse
@@ -16,6 +16,7 @@ from pathlib import Path
 from statistics import median
 
 from deployment import HOSTS, KEEPER, Deployment, Processes, free_port
+from managed import ManagedDeployment, ManagedProcesses
 from trial import Report, run_to_end
 
 LIMIT_S = 1800.0  # mission seconds
@@ -39,12 +40,17 @@ def row(name: str, at_s: float | None, report: Report, plain_s: float) -> str:
     )
 
 
-def run(mission: str, pace: float, seed: int, folder: Path, name: str | None, at_s: float) -> Report:
+def at_work(mission: str, pace: float, folder: Path, up: bool) -> Processes:
+    """Return the processes of a mission, those of `ski up` or our own."""
+    address = f"tcp/127.0.0.1:{free_port()}"
+    if up:
+        return ManagedProcesses(ManagedDeployment(folder=folder, address=address, mission=mission, pace=pace))
+    return Processes(Deployment(folder=folder, address=address, mission=mission, pace=pace))
+
+
+def run(processes: Processes, name: str | None, at_s: float) -> Report:
     """Run a mission, kill a process on the way and start it again."""
-    deployment = Deployment(
-        folder=folder, address=f"tcp/127.0.0.1:{free_port()}", mission=mission, pace=pace, seed=seed
-    )
-    with Processes(deployment) as processes:
+    with processes:
 
         def kill() -> None:
             if name is not None:
@@ -67,6 +73,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=4, help="how often each process is killed")
     parser.add_argument("--each", nargs="+", default=[*HOSTS, KEEPER], choices=[*HOSTS, KEEPER])
     parser.add_argument("--seed", type=int, default=0, help="of the times")
+    parser.add_argument("--up", action="store_true", help="under `ski up`, whose executor starts again what dies")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="leave journals and logs here")
     options = parser.parse_args()
     drawn = random.Random(options.seed)
@@ -76,7 +83,7 @@ def main() -> None:
     for number, (name, at_s) in enumerate([(None, 0.0), *runs]):
         with tempfile.TemporaryDirectory() as passing:
             folder = (options.keep or Path(passing)) / f"{number:02}-{name or 'none'}"
-            report = run(options.mission, options.pace, 0, folder, name, at_s)
+            report = run(at_work(options.mission, options.pace, folder, options.up), name, at_s)
         reports.append(report)
         plain_s = reports[0].outcome.time_s
         print(row(name or "(none)", at_s if name else None, report, plain_s), flush=True)

@@ -67,7 +67,7 @@ def _until_over(processes: Processes, acts: Sequence[Act], limit_s: float) -> fl
     begun_s: float | None = None
     left = list(acts)
     while True:
-        over = False
+        over = processes.over
         for line in tail.lines():
             if begun_s is None and reading in line[:100]:
                 begun_s = time.monotonic()
