@@ -1,7 +1,9 @@
 """`ski agent`: the executor daemon of this machine: runs the parts of missions that a manager (`ski up`) orders."""
 
 import argparse
+import os
 import signal
+import socket
 import sys
 import threading
 from importlib.metadata import version
@@ -29,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--passing", action="store_true", help=argparse.SUPPRESS
     )  # `ski up` started it, and orders on stdin
+    parser.add_argument("--nursery", type=int, help=argparse.SUPPRESS)  # an open socket that leads to one
 
 
 def call(options: argparse.Namespace) -> int:
@@ -42,6 +45,7 @@ def call(options: argparse.Namespace) -> int:
         state=StateFolder(link.address),
         leash=LeashParams(lease_s=options.lease),
         passing=options.passing,
+        nursery=socket.socket(fileno=options.nursery) if options.nursery is not None else None,
     )
     agent = Agent(params, version("sensory-knowledge-integrator"))
     for number in (signal.SIGTERM, signal.SIGINT):
@@ -55,8 +59,12 @@ def call(options: argparse.Namespace) -> int:
 
 
 def _read_orders(agent: Agent) -> None:
-    for line in sys.stdin.buffer:
-        try:
-            agent.order(decode(line, Order))
-        except LinkError as error:
-            sys.stderr.write(f"ski: {error}\n")
+    """Hand on the lines of standard input; read without Python's buffer, whose lock would keep this process from ending."""
+    text = b""
+    while come := os.read(0, 65_536):
+        *lines, text = (text + come).split(b"\n")
+        for line in lines:
+            try:
+                agent.order(decode(line, Order))
+            except LinkError as error:
+                sys.stderr.write(f"ski: {error}\n")

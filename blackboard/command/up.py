@@ -147,7 +147,8 @@ class _Up:
                 keeper_status(session, self._link.address)
                 if keys or agents_at(session, self._options.name):
                     return
-        self._local = LocalAgent(self._link, self._options.name, self._state.logs, lambda: None)
+        share = self._board is not None  # else a link was open here, and what had one must not fork
+        self._local = LocalAgent(self._link, self._options.name, self._state.logs, lambda: None, share=share)
         if self._board is not None:
             mission = mission_name(self._options.mission)
             self._local.order(Order(manager=self._name, keeper_folder=str(self._board.absolute()), prepare=mission))
@@ -169,6 +170,7 @@ class _Up:
                     check_free(keeper_status(session, self._link.address), name, self._link.address)
         orders = self._orders(mission, robot, has_own_kinds(assembly.vocabulary))
         if self._local is not None:
+            self._local.fork_nursery()
             self._local.order(orders.of(self._options.name, self._name))
         if self._board is not None:
             log = self._state.logs / f"{KEEPER}.log"

@@ -7,6 +7,7 @@ runs meanwhile it runs. The processes that it has started end with it, however i
 import contextlib
 import os
 import queue
+import socket
 import threading
 import time
 from collections.abc import Callable
@@ -51,6 +52,7 @@ class AgentParams:
     state: StateFolder
     leash: LeashParams = field(default_factory=LeashParams)
     passing: bool = False
+    nursery: socket.socket | None = None  # leads to a nursery that has the first mission loaded
 
 
 class Agent:
@@ -62,7 +64,7 @@ class Agent:
         self.boot = f"{os.getpid()}-{time.time_ns():x}"
         self._events: queue.SimpleQueue[object] = queue.SimpleQueue()
         self._executor = Executor(params.machine, params.state.logs, self._events.put, self._launch)
-        self._launcher = Launcher(params.state.logs / "nursery.log", self._events.put)
+        self._launcher = Launcher(params.state.logs / "nursery.log", self._events.put, params.nursery)
         self._plans = plans or (lambda order, state: host_plan(order, params.link, params.machine, state))
         self._leash = Leash()
         self._session: Session | None = None

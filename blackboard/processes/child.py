@@ -52,7 +52,10 @@ class Started(Protocol):
 class Child:
     """A process that this one has started. `ended` is called once, on the waiting thread: it must only put on a queue."""
 
-    def __init__(self, name: str, command: Sequence[str], log: Path, ended: Callable[[Ended], None]) -> None:
+    def __init__(
+        self, name: str, command: Sequence[str], log: Path, ended: Callable[[Ended], None], keep: Sequence[int] = ()
+    ) -> None:
+        """Start it, with the open files `keep`: then `wait` is called later, since this process has to fork without threads."""
         self.name = name
         self._log = log
         try:
@@ -64,6 +67,7 @@ class Child:
                     stdin=subprocess.PIPE,
                     stdout=out,
                     stderr=out,
+                    pass_fds=keep,
                     start_new_session=True,  # Ctrl-C at the terminal is for the manager, which ends its children in order
                 )
         except OSError as error:
@@ -72,6 +76,11 @@ class Child:
         self.identity = identity_of(self.pid) or Identity(self.pid, "")
         self._ended = ended
         self._thread = threading.Thread(target=self._wait, name=f"wait for {name}", daemon=True)
+        if not keep:
+            self.wait()
+
+    def wait(self) -> None:
+        """Begin to wait for its end."""
         self._thread.start()
 
     def say(self, line: bytes) -> None:

@@ -2,6 +2,7 @@
 
 import contextlib
 import queue
+import socket
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -27,8 +28,10 @@ class Launched:
 class Launcher:
     """Forks hosts from a nursery where this system can have one. `launched` hears of each, on another thread."""
 
-    def __init__(self, log: Path, launched: Callable[[Launched], None]) -> None:
+    def __init__(self, log: Path, launched: Callable[[Launched], None], link: socket.socket | None = None) -> None:
+        """Make one; `link` leads to a nursery that somebody else has, for the first mission."""
         self._log = log
+        self._link = link
         self._launched = launched
         self._mission = ""
         self._nursery: Nursery | None = None
@@ -64,7 +67,8 @@ class Launcher:
             self._forget()
         if self._nursery is None and can_fork():
             with contextlib.suppress(OutputError):
-                self._nursery = Nursery(mission, self._log)
+                link, self._link = self._link, None
+                self._nursery = Nursery(mission, self._log, link)
 
     def _forget(self) -> None:
         if self._nursery is not None:

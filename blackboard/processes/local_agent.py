@@ -1,5 +1,6 @@
 """An executor of this machine that comes and goes with its manager, started anew when it ends before its time."""
 
+import socket
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,6 +8,8 @@ from blackboard.errors import LinkError
 from blackboard.link.session import LinkParams
 from blackboard.processes.child import Child, Ended
 from blackboard.processes.commands import agent_command
+from blackboard.processes.nursery import fork_nursery
+from blackboard.processes.nursery_children import can_fork, link_pair
 from blackboard.processes.protocol import Order, encode
 from blackboard.processes.restarts import pause_s
 
@@ -17,7 +20,10 @@ END_S = 30.0  # its hosts' grace, one after the other the keeper's, and some
 class LocalAgent:
     """The executor's process. `ended` is called on another thread and must only see to it that `tend` is called soon."""
 
-    def __init__(self, link: LinkParams, machine: str, logs: Path, ended: Callable[[], None]) -> None:
+    def __init__(
+        self, link: LinkParams, machine: str, logs: Path, ended: Callable[[], None], *, share: bool = False
+    ) -> None:
+        """Start it. With `share`, `fork_nursery` has to be called when the mission is loaded."""
         self._command = agent_command(link, machine)
         self._log = logs / "agent.log"
         self._wake = ended
@@ -26,7 +32,23 @@ class LocalAgent:
         self._ends_s: list[float] = []
         self._start_s: float | None = None
         self.restarts = 0
-        self._child = self._start()
+        self._nursery_end: socket.socket | None = None
+        if share and can_fork():
+            ours, self._nursery_end = link_pair()
+            with ours:
+                ours.set_inheritable(True)
+                command = (*self._command, "--nursery", str(ours.fileno()))
+                self._child = Child("agent", command, self._log, self._note, keep=(ours.fileno(),))
+        else:
+            self._child = self._start()
+
+    def fork_nursery(self) -> None:
+        """Let a copy of this process, as it is now, bring forth the first hosts; it must have no threads and no link yet."""
+        if self._nursery_end is not None:
+            with self._nursery_end as link:
+                fork_nursery(link, self._log.with_name("nursery.log"))
+            self._nursery_end = None
+            self._child.wait()
 
     def order(self, order: Order) -> None:
         """Have it run something; told at once, without a link."""
@@ -53,6 +75,10 @@ class LocalAgent:
 
     def end(self) -> None:
         """Let it stop everything, and wait for that."""
+        if self._nursery_end is not None:  # it never came to that
+            self._nursery_end.close()
+            self._nursery_end = None
+            self._child.wait()
         self._child.terminate()
         if self._child.join(END_S) is None:
             self._child.kill()

@@ -43,14 +43,46 @@ class Told(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def main() -> None:
+    """Be a nursery, started from nothing."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a pool of threads would not survive the fork
+    serve(socket.socket(fileno=os.dup(0)))
+
+
+def fork_nursery(link: socket.socket, log: Path) -> None:
+    """Fork one from this process, which has a mission loaded, no link open, and one thread. It is nobody's child."""
+    child = os.fork()
+    if child:
+        os.waitpid(child, 0)
+        return
+    try:
+        os.setsid()
+        if os.fork():
+            return
+        nothing, out = os.open(os.devnull, os.O_RDONLY), os.open(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+        for place, handle in enumerate((nothing, out, out)):
+            os.dup2(handle, place)
+        kept = link.fileno()
+        os.closerange(
+            3, kept
+        )  # above all other ends of pipes: whoever waits for theirs to close would wait for this process
+        os.closerange(kept + 1, 65_536)
+        with contextlib.suppress(OSError):
+            COMM.write_text("ski-nursery")
+        gc.freeze()
+        serve(link)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(0)
+
+
+def serve(link: socket.socket) -> None:
     """Serve until the other end is gone."""
     with contextlib.suppress(BrokenPipeError, ConnectionResetError):
-        _serve()
+        _serve(link)
 
 
-def _serve() -> None:
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a pool of threads would not survive the fork
-    link = socket.socket(fileno=os.dup(0))
+def _serve(link: socket.socket) -> None:
     woken, wake = os.pipe()
     for end in (woken, wake):
         os.set_blocking(end, False)

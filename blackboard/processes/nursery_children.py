@@ -32,6 +32,11 @@ def can_fork() -> bool:
     return hasattr(os, "pidfd_open") and hasattr(socket, "send_fds") and hasattr(socket, "SOCK_SEQPACKET")
 
 
+def link_pair() -> tuple[socket.socket, socket.socket]:
+    """Return the two ends of a link to a nursery."""
+    return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+
+
 class ForkedChild:
     """A process forked by a nursery; the same to its owner as a `Child`."""
 
@@ -73,20 +78,11 @@ class ForkedChild:
 class Nursery:
     """A nursery process. `alive` says whether it can still fork."""
 
-    def __init__(self, mission: str, log: Path) -> None:
+    def __init__(self, mission: str, log: Path, link: socket.socket | None = None) -> None:
+        """Start one, or take the one at the other end of `link`, which has loaded the mission or will have."""
         self.mission = mission
-        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        try:
-            log.parent.mkdir(parents=True, exist_ok=True)
-            with theirs, log.open("ab") as out:
-                command = [sys.executable, "-m", "blackboard.processes.nursery"]
-                self._process = subprocess.Popen(  # noqa: S603
-                    command, stdin=theirs.fileno(), stdout=out, stderr=out, start_new_session=True
-                )
-        except OSError as error:
-            ours.close()
-            raise OutputError(f"the nursery cannot be started: {error.strerror}") from None
-        self._link = ours
+        self._process: subprocess.Popen[bytes] | None = None
+        self._link = link or self._new(log)
         self._forked: queue.SimpleQueue[int] = queue.SimpleQueue()
         self._lock = threading.Lock()
         self._children: dict[int, ForkedChild] = {}
@@ -94,12 +90,13 @@ class Nursery:
         self.alive = True
         self._thread = threading.Thread(target=self._listen, name="nursery", daemon=True)
         self._thread.start()
-        self._ask(Asked(what="warm", mission=mission))
+        if link is None:
+            self._ask(Asked(what="warm", mission=mission))
 
     @property
     def identity(self) -> Identity | None:
-        """Who it is."""
-        return identity_of(self._process.pid)
+        """Who it is, where it was started here."""
+        return identity_of(self._process.pid) if self._process is not None else None
 
     def start(self, name: str, arguments: Sequence[str], log: Path, ended: Callable[[Ended], None]) -> ForkedChild:
         """Fork `ski ARGUMENTS`. Raises OutputError where the nursery does not do it."""
@@ -134,11 +131,27 @@ class Nursery:
         """Let it end; children that it forked run on."""
         with contextlib.suppress(OSError):
             self._link.shutdown(socket.SHUT_RDWR)
+        if self._process is None:
+            return
         try:
             self._process.wait(CLOSE_S)
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
+
+    def _new(self, log: Path) -> socket.socket:
+        ours, theirs = link_pair()
+        try:
+            log.parent.mkdir(parents=True, exist_ok=True)
+            with theirs, log.open("ab") as out:
+                command = [sys.executable, "-m", "blackboard.processes.nursery"]
+                self._process = subprocess.Popen(  # noqa: S603
+                    command, stdin=theirs.fileno(), stdout=out, stderr=out, start_new_session=True
+                )
+        except OSError as error:
+            ours.close()
+            raise OutputError(f"the nursery cannot be started: {error.strerror}") from None
+        return ours
 
     def _ask(self, asked: Asked, handles: Sequence[int] = ()) -> None:
         socket.send_fds(self._link, [msgspec.json.encode(asked)], list(handles))
