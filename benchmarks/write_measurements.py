@@ -145,6 +145,11 @@ BENCHMARKS = (
     ("Ways over the grid", "", ("routes.py",)),
     ("A scan into the grid", "", ("grid_speed.py",)),
     ("A post", "On the local link, validated.", ("board_speed.py",)),
+    (
+        "The board keeper",
+        "Beside bare zenoh, which checks, journals and repairs nothing; a process for each poster and reader.",
+        ("keeper.py",),
+    ),
     ("Start", "", ("start_up.py",)),
 )
 

@@ -8,6 +8,8 @@ from blackboard.keeper.positions import BootLane
 NOWHERE = 2**64 - 1
 MAX_AHEAD = 100_000  # numbers beyond the last known one; what is further ahead cannot be found before the gap is closed
 
+MAX_LANES = 5000  # those met first go first
+
 
 class JournalIndex:
     """Offsets by lane and number, at most `limit` of them; of the lane that has most, the older half goes first."""
@@ -22,6 +24,8 @@ class JournalIndex:
         known = self._lanes.get(lane)
         if known is None:
             known = self._lanes[lane] = (number, array("Q"))
+            if len(self._lanes) > MAX_LANES:
+                self._drop(next(iter(self._lanes)))
         first, offsets = known
         place = number - first
         if place == len(offsets):
@@ -54,8 +58,11 @@ class JournalIndex:
         lane = max(self._lanes, key=lambda name: len(self._lanes[name][1]))
         first, offsets = self._lanes[lane]
         half = (len(offsets) + 1) // 2
-        self._size -= half
         if half == len(offsets):
-            del self._lanes[lane]
+            self._drop(lane)
         else:
+            self._size -= half
             self._lanes[lane] = (first + half, offsets[half:])
+
+    def _drop(self, lane: BootLane) -> None:
+        self._size -= len(self._lanes.pop(lane)[1])

@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blackboard.keeper.journal_index import MAX_AHEAD, JournalIndex
+from blackboard.keeper.journal_index import MAX_AHEAD, MAX_LANES, JournalIndex
 
 LANE, OTHER = ("h", "b", "signal"), ("h", "b", "knowledge")
 
@@ -33,3 +33,12 @@ def test_wild_numbers_take_no_more_room_than_the_limit(numbers):
     for number in numbers:
         index.add(LANE, number, 1)
     assert len(index) <= MAX_AHEAD
+
+
+def test_of_too_many_lanes_those_met_first_go_first():
+    index = JournalIndex(MAX_LANES * 2)
+    for boot in range(MAX_LANES + 1):
+        index.add(("h", str(boot), "signal"), 1, boot)
+    assert list(index.between(("h", "0", "signal"), 1, 1)) == []
+    assert list(index.between(("h", str(MAX_LANES), "signal"), 1, 1)) == [(1, MAX_LANES)]
+    assert len(index) == MAX_LANES
