@@ -10,8 +10,9 @@ import msgspec
 
 from blackboard.entry import Entry
 from blackboard.errors import BoardError, MessageError
+from blackboard.link.addresses import place_of
 from blackboard.link.envelope import Origin, read_entry, read_payload
-from blackboard.link.lanes import Lane, lane_of
+from blackboard.link.lanes import Lane, lane_of, lane_of_place
 from blackboard.vocabulary import Vocabulary
 
 MAX_TOLD = 1000  # refusals told one by one
@@ -78,10 +79,9 @@ def key_of(payload: bytes) -> str:
         raise MessageError(f"not an entry of a board ({error})") from None
 
 
-def lanes_of_panel(panel: str) -> tuple[Lane, ...]:
-    """Return the lanes in which entries of a panel travel."""
-    own: dict[str, Lane] = {"commands": "command", "control": "control"}
-    return (own[panel], "large") if panel in own else ("signal", "knowledge", "large")
+def lanes_at(key: str) -> tuple[Lane, ...]:
+    """Return the lanes in which what stands at a key may travel, whether the key is of a known kind or not."""
+    return (lane_of_place(place_of(key)), "large")
 
 
 class Refusals:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from blackboard.errors import MessageError
-from blackboard.keeper.checking import Checked, Checker, Refusals, Refused, key_of, lanes_of_panel
+from blackboard.keeper.checking import Checked, Checker, Refusals, Refused, key_of, lanes_at
 from blackboard.keeper.checkpoint import read_checkpoint, write_checkpoint
 from blackboard.keeper.journal_file import JournalFile, journalled, read_journalled
 from blackboard.keeper.journal_index import JournalIndex
@@ -99,13 +99,7 @@ class KeptBoard:
         said = self.refusals.note(refused.reason, str(refused), origin.host if origin is not None else "?")
         if said is not None:
             tell.append(said)
-        chunks = key.split("/", 3)
-        if (
-            origin is not None
-            and len(chunks) > 2
-            and origin.lane in lanes_of_panel(chunks[2])
-            and refused.reason != "lane"
-        ):
+        if origin is not None and origin.lane in lanes_at(key) and refused.reason != "lane":
             bad.append((origin, refused.reason, str(refused)))
 
     def _write(self, good: list[Checked], bad: list[tuple[Origin, str, str]], tell: list[str]) -> Took:

@@ -131,13 +131,15 @@ class Rejections:
     def _read_chunk(self) -> bool:
         behind = os.fstat(self._log).st_size - self._read_bytes
         if behind > MAX_BEHIND_BYTES:
-            self._read_bytes += behind - CHUNK_BYTES
-            self.passed_over_bytes += behind - CHUNK_BYTES
+            passed_over = behind - CHUNK_BYTES
+            _forget(self._log, self._read_bytes, passed_over)
+            self._read_bytes += passed_over
+            self.passed_over_bytes += passed_over
         chunk = os.pread(self._log, CHUNK_BYTES, self._read_bytes)
         if not chunk:
             return False
+        _forget(self._log, self._read_bytes, len(chunk))
         self._read_bytes += len(chunk)
-        _forget(self._log, self._read_bytes)
         self._note(self._reader.feed(chunk))
         return True
 
@@ -154,8 +156,8 @@ class Rejections:
                 self._tell(rejection, often)
 
 
-def _forget(descriptor: int, until_bytes: int) -> None:
+def _forget(descriptor: int, from_bytes: int, size_bytes: int) -> None:
     """Give back the memory of what was read; the file keeps its length, so that writers go on at its end."""
     with contextlib.suppress(AttributeError, OSError):
         libc = ctypes.CDLL(None, use_errno=True)
-        libc.fallocate(descriptor, _PUNCH_HOLE, ctypes.c_int64(0), ctypes.c_int64(until_bytes))
+        libc.fallocate(descriptor, _PUNCH_HOLE, ctypes.c_int64(from_bytes), ctypes.c_int64(size_bytes))

@@ -7,7 +7,7 @@ of which only the newest is of use.
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-from blackboard.kinds import Kind
+from blackboard.kinds import LEVELLED_PANELS, Kind
 
 Lane = Literal["command", "signal", "knowledge", "large", "control"]
 LANES: tuple[Lane, ...] = get_args(Lane)
@@ -35,10 +35,14 @@ QUALITY: dict[Lane, Quality] = {
 
 def lane_of(kind: Kind[Any]) -> Lane:
     """Return the lane that a kind's entries travel in."""
-    if kind.large:
-        return "large"
-    if kind.panel == "commands":
+    return "large" if kind.large else lane_of_place(f"{kind.panel}/{kind.level or kind.name}")
+
+
+def lane_of_place(place: str) -> Lane:
+    """Return the lane of what is not large and belongs to a panel and level, or panel and kind."""
+    panel, _, level = place.partition("/")
+    if panel == "commands":
         return "command"
-    if kind.panel == "control":
+    if panel == "control":
         return "control"
-    return "signal" if kind.level == "signal" else "knowledge"
+    return "signal" if level == "signal" and panel in LEVELLED_PANELS else "knowledge"

@@ -18,7 +18,7 @@ from blackboard.board import Board
 from blackboard.entry import Entry
 from blackboard.errors import BoardError, LinkError, MessageError
 from blackboard.history import HistoryParams
-from blackboard.journal import line_of
+from blackboard.journal import JournalLine, line_of
 from blackboard.kinds import Kind
 from blackboard.link import addresses
 from blackboard.link.clock import MEASURE_EVERY_S, ClockAnswer, ClockQuestion, MissionClock
@@ -37,7 +37,7 @@ from blackboard.link.envelope import (
     split_snapshot,
 )
 from blackboard.link.inbox import Inbox
-from blackboard.link.lanes import LANES, Lane, lane_of
+from blackboard.link.lanes import LANES, Lane, lane_of, lane_of_place
 from blackboard.link.outbox import Outbox
 from blackboard.link.session import Answer, Arrived, Session
 from blackboard.messages.hosts import HostBeat
@@ -267,18 +267,35 @@ class Replica:
         except MessageError as error:
             self._refuse("attachment", error)
             return
+        # Key and lane before anything waits or counts: what one may post under a key must not end up under another, nor take
+        # a number from those who post in that lane.
+        try:
+            line = read_payload(arrived.key, arrived.payload)
+            self._see_that_it_fits(arrived.key, origin.lane)
+        except MessageError as error:
+            self._refuse("message", error)
+            return
         for envelope in self._inbox.take(Envelope(origin, arrived.payload)):
-            self._deliver(envelope, arrived.key if envelope.payload is arrived.payload else None)
+            self._deliver(envelope, line if envelope.payload is arrived.payload else None)
 
-    def _deliver(self, envelope: Envelope, key: str | None = None) -> None:
-        entry = self._read(envelope, key)
+    def _see_that_it_fits(self, key: str, lane: Lane) -> None:
+        try:
+            own = lane_of(self.board.vocabulary.parse_key(key)[1])
+        except BoardError:
+            own = lane_of_place(addresses.place_of(key))
+        if lane != own:
+            raise MessageError(f"{key}: belongs to lane {own}, came in lane {lane}")
+
+    def _deliver(self, envelope: Envelope, line: JournalLine | None = None) -> None:
+        entry = self._read(envelope, line)
         if entry is not None:
             self.board.accept(entry)
 
-    def _read(self, envelope: Envelope, key: str | None) -> Entry[Any] | None:
-        """Return an envelope's entry; count what is unfit and pass over it."""
+    def _read(self, envelope: Envelope, line: JournalLine | None) -> Entry[Any] | None:
+        """Return an envelope's entry, its `line` read already or not; count what is unfit and pass over it."""
         try:
-            line = read_payload(key, envelope.payload)
+            if line is None:
+                line = read_payload(None, envelope.payload)
             return read_entry(self.board.vocabulary, line)[1]
         except MessageError as error:
             self._refuse("message", error)

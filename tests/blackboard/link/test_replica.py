@@ -3,6 +3,7 @@
 from queue import Empty
 from threading import Thread
 
+import msgspec
 import pytest
 
 from blackboard.entry import Entry
@@ -211,3 +212,31 @@ def test_a_router_without_a_keeper_is_told(address):
         lonely = Replica(session, Vocabulary(), "k2a", "one")
         with pytest.raises(LinkError, match="no keeper answers for the board of 'k2a'"):
             lonely.join(timeout_s=0.1)
+
+
+def test_nothing_that_waited_ends_up_under_another_key(join, address):
+    """Who may post targets posts one that says it is a velocity, numbered so that it must wait for others before it."""
+    one, other = join("one"), join("other")
+    heard, forged = heard_by(one), heard_by(one, VELOCITY)
+    velocity = Velocity(forward_mps=0.5, turn_radps=0.0, valid_until_s=9.0)
+    line = b'{"key":"ski/k2a/commands/velocity","revision":1,"event":"posted","stamp_s":0.0,"source":"c","value":%s}'
+    payload = line % msgspec.json.encode(velocity)
+    with open_session(LinkParams(address=address)) as session:
+        session.put("ski/k2a/hypotheses/symbol/target/7", payload, b"x b knowledge 2")
+        session.put("ski/k2a/hypotheses/symbol/target/7", payload, b"x b knowledge 1")
+        run_until(lambda: one.refused.get("message", 0) == 2, one)
+    other.board.post(TARGET, target(), id="1", source="finder")
+    run_until(lambda: len(heard) == 1, one, other)
+    assert forged == []
+
+
+def test_nobody_takes_a_number_in_a_lane_where_the_key_does_not_belong(join, address):
+    one, other = join("one"), join("other")
+    heard = heard_by(one, BATTERY)
+    origin = f"other {other.boot} signal 1".encode()
+    with open_session(LinkParams(address=address)) as session:
+        for key in ("ski/k2a/hypotheses/symbol/target/7", "ski/k2a/hypotheses/symbol/unheard_of/7"):
+            session.put(key, b'{"key":"%s","value":0}' % key.encode(), origin)
+        run_until(lambda: one.refused.get("message", 0) == 2, one)
+    other.board.post(BATTERY, Battery(charge_fraction=0.5), source="robot", stamp_s=1.0)
+    run_until(lambda: len(heard) == 1 and not other.unacknowledged, one, other)
