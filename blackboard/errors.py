@@ -5,7 +5,16 @@ from difflib import get_close_matches
 
 
 class SkiError(Exception):
-    """Base of every error that `ski` raises on purpose; its text is one line for the user."""
+    """Base of every error that `ski` raises on purpose; its text is one line for the user.
+
+    What it quotes may hold anything: line breaks and what would steer a terminal are written out.
+    """
+
+    def __str__(self) -> str:
+        text = super().__str__()
+        if text.isprintable():
+            return text
+        return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 class MissionError(SkiError):

@@ -97,7 +97,7 @@ def read_journal(folder: Path) -> Iterator[JournalLine]:
             for number, text in enumerate(file, 1):
                 try:
                     yield decoder.decode(text)
-                except msgspec.DecodeError as error:
+                except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
                     if not text.endswith(b"\n"):
                         return
                     raise RecordingError(f"{path}:{number}: not an entry of a board ({error})") from None

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 from blackboard.component import Component
 from blackboard.errors import MissionError, did_you_mean
+from blackboard.files import is_file
 
 C = TypeVar("C", bound=Component[Any])
 
@@ -65,7 +66,7 @@ def _siblings(name: str) -> list[str]:
 
 
 def _load_file(path: Path, where: str) -> ModuleType:
-    if not path.is_file():
+    if not is_file(path):
         raise MissionError(f"{where}: there is no file '{path}'; the path is relative to the mission file")
     name = f"ski_component_{path.stem}"
     spec = importlib.util.spec_from_file_location(name, path)

@@ -20,6 +20,7 @@ from blackboard.component import (
 )
 from blackboard.control import ControlParams
 from blackboard.errors import MissionError, did_you_mean
+from blackboard.files import is_file
 from blackboard.history import HistoryParams
 from blackboard.key_expressions import is_chunk
 from blackboard.loading import component_name, load_class
@@ -134,7 +135,7 @@ def find_mission(name: str) -> Path:
         return shipped[name]
     path = Path(name)
     if path.suffix == ".toml" or len(path.parts) > 1:
-        if path.is_file():
+        if is_file(path):
             return path
         raise MissionError(f"there is no mission file '{name}'")
     raise MissionError(f"there is no mission '{name}'{did_you_mean(name, shipped)}")
@@ -150,7 +151,7 @@ def parse_settings(settings: Sequence[str]) -> dict[str, dict[str, Any]]:
             raise MissionError(f"--set '{setting}' must be of the form component.parameter=value")
         try:
             value = tomllib.loads(f"value = {text}")["value"]
-        except tomllib.TOMLDecodeError:
+        except (ValueError, RecursionError):  # TOMLDecodeError among them
             value = text
         tables.setdefault(table, {})[key] = value
     return tables

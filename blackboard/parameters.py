@@ -64,7 +64,10 @@ def _file_name(name: str) -> str:
 def _from_degrees(key: str, raw: Any) -> tuple[str, Any]:
     for degrees, radians in (("_deg", "_rad"), ("_degps", "_radps")):
         if key.endswith(degrees) and isinstance(raw, int | float) and not isinstance(raw, bool):
-            return key.removesuffix(degrees) + radians, math.radians(raw)
+            try:
+                return key.removesuffix(degrees) + radians, math.radians(raw)
+            except OverflowError:
+                return key.removesuffix(degrees) + radians, math.inf  # which is beyond every limit
     return key, raw
 
 
@@ -74,7 +77,10 @@ def _convert(value: Any, hint: Any, where: str, base: Path | None) -> Any:
         bare = len(path.parts) == 1 and not path.suffix
         return path if bare or base is None else base / path
     if hint is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
+        try:
+            value = float(value)
+        except OverflowError:
+            raise MissionError(f"{where}: a number of {len(str(value))} digits is too large") from None
     if get_origin(hint) is tuple:
         item = get_args(hint)[0]
         if not isinstance(value, list):

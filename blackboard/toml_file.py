@@ -71,6 +71,8 @@ def read_toml(path: Path) -> TomlFile:
         raise MissionError(f"{path}: cannot be read ({error})") from None
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # TOMLDecodeError, and numbers of thousands of digits
         raise MissionError(f"{path}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise MissionError(f"{path}: not valid TOML: brackets in brackets, too deep to be read") from None
     return TomlFile(path=path, lines=tuple(text.splitlines()), data=data)

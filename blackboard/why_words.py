@@ -59,7 +59,7 @@ def _sentence(line: JournalLine) -> str | None:
             said = _rules(msgspec.json.decode(line.value, type=RuleFiles))
         else:
             return None
-    except msgspec.DecodeError:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
         return None  # of a record from before these kinds were as they are now
     when = "" if _is(FIRING, line.key) or (_is(FACT, line.key) and not line.supports) else f" at {line.stamp_s:.2f} s"
     return f"{said}{when}  [{short(line.key)} revision {line.revision}]"
@@ -118,14 +118,17 @@ def _id(key: str) -> str:
 
 
 def _brief(raw: msgspec.Raw) -> str:
-    value = msgspec.json.decode(raw)
+    try:
+        value = msgspec.json.decode(raw)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+        return f"{len(bytes(raw))} bytes that are no JSON"
     text = ", ".join(f"{name} {_shown(item)}" for name, item in value.items()) if isinstance(value, dict) else ""
     return text if len(text) <= SHOWN_CHARACTERS else f"{text[: SHOWN_CHARACTERS - 3]}..."
 
 
 def _shown(item: object) -> str:
     if isinstance(item, dict):
-        if "zlib_base64" in item:
+        if item.keys() >= {"zlib_base64", "dtype", "shape"}:
             return f"{item['dtype']}{item['shape']}"
         return f"({', '.join(map(_shown, item.values()))})"
     if isinstance(item, list):

@@ -5,6 +5,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from blackboard.errors import did_you_mean
+from blackboard.files import is_file
 from blackboard.messages.control import RuleFile
 from rules.language.errors import RuleError
 from rules.language.reader import read_texts
@@ -23,7 +24,7 @@ def find_rule_file(path: Path) -> Path:
     shipped = shipped_rule_files()
     bare = len(path.parts) == 1
     name = path.name.removesuffix(".clp")
-    if path.is_file():
+    if is_file(path):
         return path
     if bare and name in shipped:
         return shipped[name]

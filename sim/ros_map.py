@@ -16,6 +16,7 @@ from PIL import Image, UnidentifiedImageError
 from shapely.affinity import affine_transform
 
 from blackboard.errors import MissionError
+from blackboard.files import is_file
 from sim.contour import outline_free
 from sim.world import FAR_M, World, make_world
 
@@ -112,7 +113,7 @@ def read_header(path: Path) -> MapHeader:
 def read_image(image: Path, path: Path) -> npt.NDArray[np.float64]:
     """Return the image's brightness in [0, 1], (rows, columns)."""
     where = f"{path}: image '{image.name}'"
-    if not image.is_file():
+    if not is_file(image):
         raise MissionError(f"{where} does not exist in '{image.parent}'; put it there or correct the yaml")
     try:
         with warnings.catch_warnings():

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Literal
 
 from blackboard.errors import MissionError, did_you_mean
+from blackboard.files import is_file, is_folder
 
 Shelf = Literal["worlds", "robots"]
 
@@ -23,7 +24,7 @@ def find_file(name: Path, shelf: Shelf) -> Path:
     one = shelf.removesuffix("s")
     if len(name.parts) == 1 and not name.suffix:
         path = PACKAGE / shelf / f"{name}.toml"
-        if not path.is_file():
+        if not is_file(path):
             names = shipped_names(shelf)
             near = did_you_mean(str(name), names) if len(names) > 1 else ""
             hint = near if near.startswith("; did") else ""
@@ -31,7 +32,7 @@ def find_file(name: Path, shelf: Shelf) -> Path:
                 f"unknown {one} '{name}'{hint} (shipped: {', '.join(names)}; or give the path of a file)"
             )
         return path
-    if not name.is_file():
-        what = "is a folder" if name.is_dir() else "does not exist"
+    if not is_file(name):
+        what = "is a folder" if is_folder(name) else "does not exist"
         raise MissionError(f"{one} file '{name}' {what}; give a file, or one of {', '.join(shipped_names(shelf))}")
     return name

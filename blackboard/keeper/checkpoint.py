@@ -45,7 +45,7 @@ def read_checkpoint(folder: Path) -> tuple[Header, list[Envelope]] | None:
     try:
         first, _, rest = (folder / FILE_NAME).read_bytes().partition(b"\n")
         return msgspec.json.decode(first, type=Header), split_batch(rest)
-    except (FileNotFoundError, msgspec.DecodeError, UnicodeDecodeError, MessageError):
+    except (FileNotFoundError, msgspec.DecodeError, UnicodeDecodeError, RecursionError, MessageError):
         return None
     except OSError as error:
         raise OutputError(f"{folder / FILE_NAME}: cannot be read ({error.strerror}); choose another --out") from None

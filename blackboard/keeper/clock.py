@@ -33,7 +33,7 @@ class KeptClock:
         self._kept = True  # on disk
         try:
             self._begun = msgspec.json.decode(self._path.read_bytes(), type=Begun)
-        except (OSError, msgspec.DecodeError, UnicodeDecodeError):
+        except (OSError, msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             self._begun = None
 
     @property

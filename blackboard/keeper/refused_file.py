@@ -40,7 +40,7 @@ def read_refused(folder: Path) -> Iterator[Origin]:
             for line in file:
                 try:
                     yield Origin(*msgspec.json.decode(line, type=RefusedLine).origin)
-                except (msgspec.DecodeError, UnicodeDecodeError):
+                except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
                     continue  # cut off in the middle
     except OSError:
         return

@@ -6,10 +6,12 @@ measurements the one with the shortest way counts (as NTP's clock filter does).
 
 from collections import deque
 from dataclasses import dataclass
+from typing import Annotated
 
 import msgspec
 
 from blackboard.errors import LinkError
+from blackboard.messages.base import Seconds
 
 KEPT = 8  # measurements: a clock drifts by less than a millisecond while so many are taken
 MEASURE_EVERY_S = 2.0
@@ -19,9 +21,9 @@ CLOCK_OFF_S = 0.5  # a wall clock further off than this is told: logs of two mac
 class ClockAnswer(msgspec.Struct, kw_only=True, frozen=True):
     """The keeper's answer: the mission's clock (None: nobody has begun it), its own wall clock, and mission seconds per second."""
 
-    now_s: float | None
-    wall_s: float
-    pace: float = 1.0
+    now_s: Seconds | None
+    wall_s: Seconds
+    pace: Annotated[float, msgspec.Meta(gt=0.0, le=1e4)] = 1.0
 
 
 class ClockQuestion(msgspec.Struct, kw_only=True, frozen=True, forbid_unknown_fields=True, omit_defaults=True):

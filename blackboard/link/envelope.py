@@ -7,7 +7,7 @@ text with one envelope on each line, attachment and payload parted by a tab.
 
 from collections.abc import Iterable
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import msgspec
 
@@ -18,6 +18,8 @@ from blackboard.key_expressions import is_chunk
 from blackboard.kinds import Kind
 from blackboard.link.lanes import LANES, Lane
 from blackboard.vocabulary import MAX_MESSAGE_BYTES, Vocabulary, decode
+
+T = TypeVar("T")
 
 _LINE = msgspec.json.Decoder(JournalLine)
 _LANES = {lane.encode(): lane for lane in LANES}
@@ -165,6 +167,14 @@ def split_snapshot(text: bytes) -> tuple[Snapshot, list[Envelope]]:
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise MessageError(f"not a snapshot of a board ({error})") from None
     return header, split_batch(rest)
+
+
+def read_told(payload: bytes, type_: type[T]) -> T:
+    """Return what a keeper or a host tells beside entries (beats, questions, answers); raise MessageError where it is none."""
+    try:
+        return msgspec.json.decode(payload, type=type_)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise MessageError(f"not a {type_.__name__} ({error})") from None
 
 
 def robot_of(key: str) -> str:

@@ -33,6 +33,7 @@ from blackboard.link.envelope import (
     read_entry,
     read_origin,
     read_payload,
+    read_told,
     split_batch,
     split_snapshot,
 )
@@ -114,7 +115,7 @@ class Replica:
         for _ in range(3):
             asked_s = time.monotonic()
             payload = self._must_answer(addresses.keeper(self._robot, what), question, end_s)
-            self.clock.measured(asked_s, time.monotonic(), time.time(), msgspec.json.decode(payload, type=ClockAnswer))
+            self.clock.measured(asked_s, time.monotonic(), time.time(), read_told(payload, ClockAnswer))
         self._session.announce(addresses.host_alive(self._robot, self.host, self.boot))
 
     def now_s(self) -> float:
@@ -380,7 +381,11 @@ class Replica:
         def take(answers: Sequence[Answer]) -> None:
             for answer in answers:
                 if not answer.error:
-                    clock = msgspec.json.decode(answer.payload, type=ClockAnswer)
+                    try:
+                        clock = read_told(answer.payload, ClockAnswer)
+                    except MessageError as error:
+                        self._refuse("clock", error)
+                        continue
                     self.clock.measured(asked_s, came[0][0], came[0][1], clock)
 
         self._session.ask_later(addresses.keeper(self._robot, "clock"), b"{}", sink)

@@ -173,7 +173,7 @@ class Agent:
             self._executor.hear(KEEPER)
             self._leash = Leash(manager=self._leash.manager, silent_s=self._leash.silent_s)
         elif chunks[2] == "@hosts":
-            with contextlib.suppress(msgspec.DecodeError):
+            with contextlib.suppress(msgspec.DecodeError, UnicodeDecodeError, RecursionError):
                 beat = msgspec.json.decode(arrived.payload, type=HostBeat)
                 self._changed |= self._executor.hear(chunks[3], beat.pid)
         elif self._leash.manager:

@@ -69,7 +69,7 @@ class StateFolder:
         """Return what is written down, of processes that still run unless told otherwise; what cannot be read is passed over."""
         found = []
         for path in sorted(self._processes.glob("*.json")):
-            with contextlib.suppress(OSError, msgspec.DecodeError):
+            with contextlib.suppress(OSError, msgspec.DecodeError, UnicodeDecodeError, RecursionError):
                 record = msgspec.json.decode(path.read_bytes(), type=Record)
                 if not alive or is_alive(record.who):
                     found.append(record)

@@ -118,11 +118,18 @@ def _shown(item: object, depth: int) -> str:
     return "-" if item is None else str(item)
 
 
+def _number(number: float) -> str:
+    try:
+        return f"{number:.4g}"
+    except OverflowError:  # an integer of hundreds of digits
+        return f"{str(number)[:6]}..."
+
+
 def _list(items: Sequence[object], depth: int) -> str:
     numbers = [one for one in items if isinstance(one, int | float) and not isinstance(one, bool)]
     if items and len(numbers) + items.count(None) == len(items) and len(items) > SHOWN_ITEMS:
         nothing = len(items) - len(numbers)
-        spread = f" {min(numbers):.4g} to {max(numbers):.4g}" if numbers else ""
+        spread = f" {_number(min(numbers))} to {_number(max(numbers))}" if numbers else ""
         return f"{len(items)} numbers{spread}{f' ({nothing} missing)' if nothing else ''}"
     if len(items) > SHOWN_ITEMS or (depth == 0 and items):
         return f"{len(items)} items"

@@ -31,6 +31,7 @@ from pathlib import Path
 from typing import Any
 
 from blackboard.errors import did_you_mean
+from blackboard.files import is_file
 from blackboard.toml_file import Place, TomlFile, read_toml
 from rules.language.errors import RuleError
 
@@ -154,7 +155,7 @@ def _refuse_unknown(table: Mapping[str, Any], known: tuple[str, ...], place: Pla
 def _rule_file(story: Path, name: str) -> Path:
     """Return a rule file as the story names it: a path from its folder, or the name of a shipped one."""
     beside = story.parent / name
-    return beside if beside.is_file() else Path(name)
+    return beside if is_file(beside) else Path(name)
 
 
 def _texts(file: TomlFile, place: Place, key: str, table: Mapping[str, Any]) -> Row:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from blackboard.errors import SkiError
+from blackboard.files import is_file
 from blackboard.messages.motion import Motivation
 from blackboard.mission import find_mission, load_mission
 from rules.checks.parts import parts_of
@@ -69,7 +70,7 @@ def tell(path: Path, engine: Literal["experta", "clips"] | None = None) -> Outco
 
 def _mission(story: Story) -> Path:
     beside = story.path.parent / story.mission
-    return beside if beside.is_file() else find_mission(story.mission)
+    return beside if is_file(beside) else find_mission(story.mission)
 
 
 def _play(story: Story, stage: Stage, fragments: Fragments) -> Outcome:

@@ -41,10 +41,13 @@ WORD = re.compile(r'[^\s"()&|~;\x00-\x1f][^\s"()&|~;<\x00-\x1f]*')
 BLANK = re.compile(r"(?:\s|;[^\n]*)+")
 STRING = re.compile(r'"((?:[^"\\]|\\.)*)"', re.DOTALL)
 INTEGER = re.compile(r"[+-]?\d+")
-FLOAT = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+FLOAT = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 ESCAPED = re.compile(r"\\(.)", re.DOTALL)
 GLOBAL_NAME = re.compile(r"\*([^*\s]+)\*")
 SIGNS = {"(": TokenKind.OPEN, ")": TokenKind.CLOSE, "&": TokenKind.SIGN, "|": TokenKind.SIGN, "~": TokenKind.SIGN}
+
+
+MOST_DIGITS = 1000  # of an integer, zeros before it included: more of them cost more than they say
 
 
 class _Cutter:
@@ -134,13 +137,13 @@ def _variable(name: str, position: Position, named: TokenKind, bare: TokenKind) 
 def constant(word: str, position: Position) -> Symbol | int | float:
     """Return the integer, float or symbol that a word is."""
     if INTEGER.fullmatch(word):
-        number = int(word)
+        number = int(word) if len(word) <= MOST_DIGITS else LARGEST_INTEGER + 1
         if not -LARGEST_INTEGER - 1 <= number <= LARGEST_INTEGER:
-            raise RuleError(f"the integer {word} is out of range (64 bits); write it as a float", position)
+            raise RuleError(f"the integer {word[:40]} is out of range (64 bits); write it as a float", position)
         return number
     if FLOAT.fullmatch(word):
         value = float(word)
         if value in (float("inf"), float("-inf")):
-            raise RuleError(f"the number {word} is out of range", position)
+            raise RuleError(f"the number {word[:40]} is out of range", position)
         return value
     return Symbol(word)
