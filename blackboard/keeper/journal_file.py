@@ -6,6 +6,7 @@ death, not the machine's: nothing is forced out to the disk.
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import msgspec
@@ -67,7 +68,8 @@ class JournalFile:
                 written += os.pwrite(self._file, memoryview(lines)[written:], self.size_bytes + written)
         except OSError as error:
             self.trouble = error.strerror or str(error)
-            os.ftruncate(self._file, self.size_bytes)
+            with suppress(OSError):  # else the next batch is written over it
+                os.ftruncate(self._file, self.size_bytes)
             return False
         self.trouble = ""
         self.size_bytes += len(lines)

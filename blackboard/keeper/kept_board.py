@@ -1,6 +1,7 @@
 """One robot's board as the keeper holds it: taken in, written down, answered from, and brought back after a restart."""
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -154,12 +155,9 @@ class KeptBoard:
         """Write down what is known; where that is not possible the journal still has everything."""
         size = self.journal.size_bytes
         if size != self._checkpoint_bytes:
-            try:
+            with suppress(OSError):
                 write_checkpoint(self.folder, size, self.journal.tail_of(size), self.positions, self.board())
-            except OSError as error:
-                self.journal.trouble = self.journal.trouble or error.strerror or str(error)
-                return
-            self._checkpoint_bytes = size
+                self._checkpoint_bytes = size
 
     def close(self) -> None:
         """Write a checkpoint and close the journal."""

@@ -180,6 +180,17 @@ def test_nothing_is_acknowledged_that_could_not_be_written(tmp_path, battery, mo
     assert len(list(read_journal(tmp_path))) == 2
 
 
+def test_without_room_for_a_checkpoint_the_journal_has_everything(tmp_path, battery, monkeypatch):
+    kept = board(tmp_path)
+    kept.take([battery(1)])
+    monkeypatch.setattr(os, "replace", lambda *paths: _no_space())
+    kept.checkpoint()
+    monkeypatch.undo()
+    assert not (tmp_path / "checkpoint.jsonl").exists()
+    assert kept.journal.trouble == ""
+    assert known(board(tmp_path)) == known(kept)
+
+
 def _no_space():
     raise OSError(28, "No space left on device")
 
