@@ -3,6 +3,7 @@
 zenoh tells nobody whom it rejects but its own log. At level trace its access control writes a line for every message that it looks
 at ("... is unauthorized to Put (ingress) on KEY") and then, on the same thread, "Msg intercepted!" where the message was thrown
 away. One that was authorized and is intercepted all the same, at once, was too large. Connections that fail are warnings of TLS.
+A key may hold a line's end, so a member can write lines of its own into that log: what it says is evidence, not proof.
 It also intercepts, without a word before, some ends of declarations that it would have passed on: those are nobody's attempts.
 """
 

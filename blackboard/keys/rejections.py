@@ -72,6 +72,7 @@ class Rejections:
         import fcntl
 
         fcntl.fcntl(self._log, fcntl.F_SETFL, os.O_APPEND)
+        os.environ.pop("RUST_LOG", None)  # it would take the place of what has to be logged here
         sys.stdout.flush()
         before = os.dup(1)
         os.dup2(self._log, 1, inheritable=False)
@@ -103,9 +104,11 @@ class Rejections:
     def told(self) -> dict[str, int]:
         """Return how often each kind of attempt was rejected, with the member's name where it is known."""
         with self._lock:
-            return {
-                f"{kind} by {who}" if who else kind: count for (who, kind), count in sorted(self._by_member.items())
-            }
+            counted = sorted(self._by_member.items())
+        told = {f"{kind} by {member}" if member else kind: count for (member, kind), count in counted}
+        if self.passed_over_bytes:
+            told["bytes of log that came too fast to be read"] = self.passed_over_bytes
+        return told
 
     def newest(self) -> list[Rejection]:
         """Return the newest rejections, oldest first."""
