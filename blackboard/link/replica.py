@@ -48,7 +48,6 @@ WINDOW = 2000  # envelopes of a lane sent at once without an acknowledgement; mo
 LATE_AFTER_S = 0.5  # two and a half of the keeper's beats: what is not acknowledged by then was dropped on the way
 LATE_BYTES = 1_000_000  # of one batch
 LATE_ANSWER_S = 5.0
-HEARD_S = 2.0  # a keeper heard of since then is there
 NOT_TAKEN = 10  # batches in a row without an answer from a keeper that is there
 JOIN_S = 10.0  # a keeper that restarts is back long before
 
@@ -91,7 +90,8 @@ class Replica:
         self._sent_s: dict[Lane, float] = dict.fromkeys(LANES, 0.0)  # when the oldest unacknowledged may have been lost
         self._unsent: dict[Lane, int] = dict.fromkeys(LANES, 0)  # the last number that was not sent at once
         self._handed: dict[Lane, int] = dict.fromkeys(LANES, 0)  # handed in up to here, acknowledged or not
-        self._not_taken = 0  # batches handed in that a keeper which is there did not answer
+        self._not_taken = 0  # batches handed in that a keeper which is there did not answer, one for a beat of its
+        self._not_taken_s = float("-inf")
         self._late_underway = 0  # batches whose answer has not come
         self._lanes: dict[str, Lane] = {}
         self._measured_s = float("-inf")
@@ -231,7 +231,8 @@ class Replica:
                 self._take_beat(answer.payload)
         if any(not answer.error for answer in answers):
             self._not_taken = 0
-        elif time.monotonic() - self.keeper_heard_s < HEARD_S:
+        elif self.keeper_heard_s > self._not_taken_s:  # it was heard of since the last one: one that has just died does not count
+            self._not_taken_s = self.keeper_heard_s
             self._not_taken += 1
         if not self._late_underway and any(self._handed[lane] < self._unsent[lane] for lane in LANES):
             self._hand_in()

@@ -200,6 +200,20 @@ def test_a_keeper_that_comes_back_gets_what_was_posted_meanwhile(join, keeper, t
     assert [line.count('"revision":2') for line in lines if "battery" in line] == [0, 1]
 
 
+def test_a_keeper_that_is_gone_is_not_said_to_refuse(join, keeper, monkeypatch):
+    monkeypatch.setattr(module, "LATE_AFTER_S", 0.001)
+    one = join("one")
+    asked = []
+    ask_later = one._session.ask_later
+    monkeypatch.setattr(one._session, "ask_later", lambda key, *rest: (asked.append(key), ask_later(key, *rest)))
+    run_until(lambda: one.keeper_heard_s > 0, one)
+    keeper.stop()
+    keeper.close()
+    one.board.post(BATTERY, Battery(charge_fraction=0.8), source="robot", stamp_s=2.0)
+    run_until(lambda: sum("@late" in key for key in asked) > 2 * module.NOT_TAKEN, one)
+    assert one.trouble == ""
+
+
 def test_without_a_keeper_there_is_one_line(address):
     with pytest.raises(LinkError, match="no keeper answers"):
         open_session(LinkParams(address=address))
