@@ -11,7 +11,7 @@ class KeeperParams:
 
     findable_envelopes: int = 4_000_000  # in the journal, for readers that missed some: 32 MB of memory for each robot
     answer_bytes: int = 64_000_000  # of what was missed, in one answer
-    read_back_bytes: int = 64_000_000  # of journal, at a restart, so that what was missed can be found
+    read_back_bytes: int = 16_000_000  # of journal, at a restart: minutes, and a quick start counts for more
     tombstones: int = 10_000  # retracted keys, so that nothing old brings them back
     robots: int = 64  # boards at most: a wrong program must not make one for each number it can think of
     boots: int = 1000  # starts of hosts whose positions are remembered, for each robot
