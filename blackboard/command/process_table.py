@@ -16,10 +16,10 @@ def process_table(processes: Iterable[ProcessReport], title: str) -> Table:
     """Return a table of processes."""
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for name in ("process", "machine", "state"):
-        table.add_column(name)
+        table.add_column(name, no_wrap=True)
     for name in ("pid", "restarts", "cpu s", "age s", "beat s"):
-        table.add_column(name, justify="right")
-    table.add_column("last end", overflow="ellipsis", no_wrap=True)
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("last end")
     for process in processes:
         table.add_row(
             process.name,

@@ -14,7 +14,7 @@ from rich.text import Text
 from blackboard.command.connection import add_connection_options, link_params
 from blackboard.command.process_table import BAD, COLOURS
 from blackboard.link.session import open_session
-from blackboard.processes.ground import agents_at, keeper_status, listening
+from blackboard.processes.ground import agents_at, keeper_may_be, keeper_status
 from blackboard.processes.listing import Row, rows_of
 from blackboard.processes.protocol import this_machine
 from blackboard.processes.state_folder import StateFolder
@@ -32,7 +32,7 @@ def call(options: argparse.Namespace) -> int:
     """Run the verb."""
     link = link_params(options)
     records = StateFolder(link.address).records()
-    if listening(link.address):
+    if keeper_may_be(link):
         with open_session(link) as session:
             rows = rows_of(keeper_status(session, link.address), agents_at(session), records, this_machine())
     else:
@@ -58,7 +58,7 @@ def table_of(rows: Sequence[Row]) -> Table:
         table.add_column(name, no_wrap=True)
     for name in ("pid", "restarts", "cpu s", "age s", "beat s", "offset ms", "missing"):
         table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("detail", overflow="ellipsis", no_wrap=True)
+    table.add_column("detail")
     for row in rows:
         colour = COLOURS.get(row.state, "green" if row.state == "alive" else BAD)
         table.add_row(

@@ -28,7 +28,7 @@ from blackboard.mission import Mission, find_mission, shipped_missions
 from blackboard.placement import placement
 from blackboard.processes.child import last_line
 from blackboard.processes.commands import SKI
-from blackboard.processes.ground import agents_at, check_free, keeper_status, listening, ours, wait_until_listening
+from blackboard.processes.ground import agent_at, check_free, keeper_may_be, keeper_status, ours, wait_until_listening
 from blackboard.processes.identity import identity_of
 from blackboard.processes.local_agent import LocalAgent
 from blackboard.processes.manager import MissionOrders, orders_of
@@ -132,8 +132,8 @@ class _Up:
     def begin(self) -> None:
         """Start what is not there, keeper and executor, before the mission is read: they need a while themselves."""
         keys = self._link.keys is not None  # each part then has its own: the keeper's, an agent's, this operator's
-        if not listening(self._link.address):
-            if keys or not ours(self._link.address):
+        if not keeper_may_be(self._link):
+            if not ours(self._link.address):
                 raise LinkError(f"no keeper answers at {self._link.address}; start one there with `ski board serve`")
             waiting = self._state.record(AGENT)
             if waiting is not None:
@@ -145,7 +145,7 @@ class _Up:
         else:
             with open_session(self._link) as session:
                 keeper_status(session, self._link.address)
-                if keys or agents_at(session, self._options.name):
+                if keys or agent_at(session, self._options.name):
                     return
         share = self._board is not None  # else a link was open here, and what had one must not fork
         self._local = LocalAgent(self._link, self._options.name, self._state.logs, lambda: None, share=share)

@@ -3,6 +3,8 @@
 import socket
 import time
 from collections.abc import Callable
+from contextlib import suppress
+from queue import Empty, SimpleQueue
 
 import msgspec
 
@@ -10,11 +12,18 @@ from blackboard.errors import LinkError
 from blackboard.keeper.status import KeeperStatus
 from blackboard.link.address import parse_address
 from blackboard.link.addresses import KEEPER_STATUS
-from blackboard.link.session import Session
+from blackboard.link.session import LinkParams, Session
 from blackboard.processes.protocol import AGENTS, AgentReport, decode
 
 LOOK_S = 1.0
 AGAIN_S = 0.02
+TOKENS_S = 0.3  # all that there are come at once
+ANSWER_S = 3.0
+
+
+def keeper_may_be(link: LinkParams) -> bool:
+    """Say whether a keeper may be found: with keys it is for the link to find out, since a mere knock counts as rejected there."""
+    return link.keys is not None or listening(link.address)
 
 
 def listening(address: str) -> bool:
@@ -79,10 +88,18 @@ def check_free(status: KeeperStatus, robot: str, address: str) -> None:
             )
 
 
-def agents_at(session: Session, machine: str = "*", timeout_s: float = 2.0) -> list[AgentReport]:
-    """Return how the executors that a keeper reaches fare."""
-    reports = []
-    for answer in session.ask(f"{AGENTS}/{machine}/state", timeout_s=timeout_s):
-        if not answer.error:
-            reports.append(decode(answer.payload, AgentReport))
-    return sorted(reports, key=lambda report: report.machine)
+def agents_at(session: Session) -> list[AgentReport]:
+    """Return how the executors that a keeper reaches fare; each is asked by its own name, the only one that it may answer to."""
+    shown: SimpleQueue[str] = SimpleQueue()
+    session.watch(f"{AGENTS}/*/alive/*", lambda key, alive: shown.put(key) if alive else None)
+    machines = set()
+    with suppress(Empty):
+        while True:
+            machines.add(shown.get(timeout=TOKENS_S).split("/")[2])
+    return [report for machine in sorted(machines) for report in agent_at(session, machine)]
+
+
+def agent_at(session: Session, machine: str) -> list[AgentReport]:
+    """Return how the executor of a machine fares; nothing where none answers."""
+    answers = session.ask(f"{AGENTS}/{machine}/state", timeout_s=ANSWER_S)
+    return [decode(answer.payload, AgentReport) for answer in answers if not answer.error]

@@ -14,6 +14,7 @@ from queue import Empty, SimpleQueue
 from blackboard.assembly import Assembly
 from blackboard.board import Board
 from blackboard.entry import Entry
+from blackboard.errors import LinkError
 from blackboard.kinds import DRIVE, MISSION
 from blackboard.link.lanes import Lane
 from blackboard.link.replica import Item, Replica
@@ -75,8 +76,8 @@ class Overseer:
         now_s = time.monotonic()
         if now_s - self._beaten_s >= BEAT_S:
             self._beaten_s = now_s
+            self._beat()
             for replica in self._replicas:
-                replica.beat(("manager",), self.orders.machine, self._version)
                 replica.tend()
             if self.local is not None and not self._ending:
                 self.local.tend(now_s)
@@ -116,16 +117,25 @@ class Overseer:
         boards = list(self.boards.values())
         self.manager = Manager(session, self.orders, boards, replica.queue.put, name=self.name)
 
+    def _beat(self, *, leaving: bool = False) -> None:
+        for replica in self._replicas:
+            replica.beat(("manager",), self.orders.machine, self._version, leaving=leaving)
+
     def _end(self) -> None:
         self._ending = True
         self.manager.end()
         until_s = time.monotonic() + END_S
         while not self.manager.ended and time.monotonic() < until_s:
             self.step()
+        self._beat(leaving=True)
         if self.orders.keeper_folder is None:
-            status = keeper_status(self._session, self.link.address)
-            if status.machine == platform.node():
-                self.journals = {b.robot: Path(b.journal) for b in status.boards if b.robot in self.boards}
+            with contextlib.suppress(LinkError):  # it may be gone by now
+                self._find_journals()
+
+    def _find_journals(self) -> None:
+        status = keeper_status(self._session, self.link.address)
+        if status.machine == platform.node():
+            self.journals = {b.robot: Path(b.journal) for b in status.boards if b.robot in self.boards}
 
     def _note_drive(self, entry: Entry[Drive]) -> None:
         if self.moved_s is None and (entry.value.forward_mps or entry.value.turn_radps):

@@ -10,6 +10,7 @@ import pytest
 
 from blackboard.errors import LinkError
 from blackboard.processes.agent import Agent, AgentParams
+from blackboard.processes.ground import agent_at, agents_at
 from blackboard.processes.identity import gone_within, identity_of
 from blackboard.processes.protocol import AgentReport, HostOrder, Order, ProcessReport
 from blackboard.processes.state_folder import Record, StateFolder
@@ -135,3 +136,13 @@ def record_of_somebody_else(running: Any) -> Any:
     who = identity_of(os.getppid())
     assert who is not None
     return Record(name="agent", who=who)
+
+
+def test_all_executors_are_found_by_name(meeting: Any, start_agent: Any) -> None:
+    assert agents_at(meeting.session) == []
+    start_agent("shed")
+    start_agent("desk")
+    meeting.order(order("map"), "shed")
+    found = agents_at(meeting.session)
+    assert [(report.machine, report.manager) for report in found] == [("desk", ""), ("shed", "m")]
+    assert agent_at(meeting.session, "attic") == []
