@@ -1,13 +1,13 @@
 """Two machines, the cable between them pulled in mid-mission: what is lost, and does the robot stand while it is cut off?
 
-python benchmarks/cuts.py [--mission M] [--far robot] [--cuts 2 6 20] [--pace P]
+python benchmarks/cuts.py [--mission M] [--together] [--cuts 2 6 20] [--pace P]
 
 Two network namespaces with a cable between them (as root, with iproute2): in one the keeper, the knowledge sources, the rules and
-all else, in the other the robot (`--far robot behaviours`: its behaviours too). The keeper listens on the cable, with keys. The
-cable is pulled for each of the times. A row for each: when, for how long; after which time the robot was told to stand, and after
-which its wheels stood, by its own posts, handed in later; how far it drove meanwhile; after which time it went on once the cable
-was in again. All in mission seconds. Under the table how the mission ended, what was posted, and what of it the keeper has not
-got.
+the behaviours, in the other the robot (`--together`: robot and behaviours in one process, which goes on driving). The keeper
+listens on the cable, with keys. The cable is pulled for each of the times. A row for each: when, for how long; after which time the
+robot was told to stand, and after which its wheels stood, by its own posts, handed in later; how far it drove meanwhile; after
+which time it went on once the cable was in again. All in mission seconds. Under the table how the mission ended, what was posted,
+and what of it the keeper has not got.
 """
 
 import argparse
@@ -26,6 +26,7 @@ from trial import TRIAL, run_to_end
 
 PORT = 7447  # nobody else is in the namespace
 LIMIT_S = 1800.0
+TOGETHER = ('hosts.robot.runs=["robot", "behaviours"]',)
 MUST_STAND_S = 0.5
 ROLES = {"robot": "robot", "behaviours": "robot", "knowledge_sources": "knowledge", "rules": "planner", TRIAL: "viewer"}
 HEAD = "cut at s   for s   told to stand s   wheels stood s   driven m   went on s"
@@ -48,7 +49,9 @@ def trial(options: argparse.Namespace, folder: Path) -> bool:
         mission=options.mission,
         pace=options.pace,
         keys=make_keys(folder / "keys", "k2a"),
-        inside=dict.fromkeys(options.far, options.inside[1]),
+        inside={"robot": options.inside[1]},
+        settings=TOGETHER if options.together else (),
+        hosts=("robot", "knowledge_sources", "rules") if options.together else HOSTS,
     )
     times: list[tuple[float, float]] = []  # wall clock: pulled, plugged
     acts: list[tuple[float, Callable[[], None]]] = []
@@ -75,8 +78,8 @@ def trial(options: argparse.Namespace, folder: Path) -> bool:
         found = cut_off(drives, readings, from_s, until_s)
         shown = [_shown(s) for s in (found.told_to_stand_s, found.wheels_stood_s, found.driven_m, found.went_on_s)]
         print(f"{from_s:8.1f}{until_s - from_s:8.1f}{shown[0]:>18}{shown[1]:>17}{shown[2]:>11}{shown[3]:>12}")
-        if "behaviours" not in options.far:
-            good = good and found.told_to_stand_s is not None and found.told_to_stand_s <= MUST_STAND_S
+        stood = found.told_to_stand_s is not None and found.told_to_stand_s <= MUST_STAND_S
+        good = good and stood != options.together
         good = good and found.went_on_s is not None
     good = good and len(times) == len(options.cuts) and (outcome.state == "done" or options.duration < LIMIT_S)
     refused = f"; refused: {account.refused}" if account.refused else ""
@@ -101,7 +104,7 @@ def _run(command: list[str]) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mission", default="explore-lab")
-    parser.add_argument("--far", nargs="+", default=["robot"], choices=HOSTS, help="what runs on the other machine")
+    parser.add_argument("--together", action="store_true", help="robot and behaviours are one process")
     parser.add_argument("--cuts", nargs="+", type=float, default=[2.0, 6.0, 20.0], metavar="S")
     parser.add_argument("--first", type=float, default=30.0, metavar="S", help="when, mission seconds")
     parser.add_argument("--rest", type=float, default=25.0, metavar="S", help="between two cuts")
@@ -116,9 +119,8 @@ def main() -> None:
     reason = why_not()
     if reason:
         raise SystemExit(f"not possible here: {reason}")
-    print(
-        f"{options.mission}, pace {options.pace:g}, on the other machine: {', '.join(options.far)}\n{HEAD}", flush=True
-    )
+    far = "robot and behaviours, in one process" if options.together else "robot"
+    print(f"{options.mission}, pace {options.pace:g}, on the other machine: {far}\n{HEAD}", flush=True)
     with Cable() as cable:
         inside = ["ip", "netns", "exec", cable.near, sys.executable, __file__, "--inside", cable.near, cable.far]
         raise SystemExit(subprocess.run([*inside, *sys.argv[1:]], check=False).returncode)

@@ -150,6 +150,29 @@ BENCHMARKS = (
         "Beside bare zenoh, which checks, journals and repairs nothing; a process for each poster and reader.",
         ("keeper.py",),
     ),
+    (
+        "Across processes",
+        "Exploring the lab in one process, in lock-step, and in five, in real time.",
+        ("distributed.py",),
+    ),
+    (
+        "Across processes: kill -9",
+        "Four mission seconds in one, so that a start takes four times as long. The times differ by what a real-time run does anyway.",
+        ("kills.py", "--pace", "4"),
+    ),
+    (
+        "Across processes: kill -9 under ski up",
+        "The same, started again by the executor daemon.",
+        ("kills.py", "--up", "--pace", "4", "--rounds", "1"),
+    ),
+    ("Across processes: a storm of kill -9", "", ("kill_storm.py", "--pace", "2", "--runs", "1")),
+    ("Across processes: SIGSTOP", "", ("freezes.py",)),
+    (
+        "Two machines, the cable pulled",
+        "Network namespaces, TLS with keys. The wheels brake with 0.6 m/s2.",
+        ("cuts.py",),
+    ),
+    ("Two machines, the cable pulled, behaviours beside the robot", "", ("cuts.py", "--together")),
     ("Start", "", ("start_up.py",)),
 )
 
