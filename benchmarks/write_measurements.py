@@ -157,7 +157,7 @@ BENCHMARKS = (
     ),
     (
         "Across processes: kill -9",
-        "Four mission seconds in one, so that a start takes four times as long. The times differ by what a real-time run does anyway.",
+        "Four mission seconds in one, so a start takes four times as long. The times differ as real-time runs always do.",
         ("kills.py", "--pace", "4"),
     ),
     (

@@ -231,7 +231,7 @@ class Replica:
                 self._take_beat(answer.payload)
         if any(not answer.error for answer in answers):
             self._not_taken = 0
-        elif self.keeper_heard_s > self._not_taken_s:  # it was heard of since the last one: one that has just died does not count
+        elif self.keeper_heard_s > self._not_taken_s:  # heard of since the last one: it has not just died
             self._not_taken_s = self.keeper_heard_s
             self._not_taken += 1
         if not self._late_underway and any(self._handed[lane] < self._unsent[lane] for lane in LANES):
