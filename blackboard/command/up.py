@@ -106,6 +106,7 @@ class _Up:
         finally:
             if self._local is not None:
                 self._local.end()
+                self._state.forget_hosts()
             self._state.drop(MANAGER)
             if not self._underway:  # nothing came of it
                 if self._board is not None:

@@ -87,10 +87,14 @@ class StateFolder:
                 shutil.rmtree(folder, ignore_errors=True)
         return own
 
+    def forget_hosts(self) -> None:
+        """Take away what was to outlive a kill of hosts: their mission is over."""
+        shutil.rmtree(self.path / "hosts", ignore_errors=True)
+
     def clear(self) -> None:
         """Strike everything out; logs stay."""
-        with contextlib.suppress(OSError):
-            shutil.rmtree(self._processes)
+        shutil.rmtree(self._processes, ignore_errors=True)
+        self.forget_hosts()
 
 
 def folder_name(address: str) -> str:

@@ -101,6 +101,7 @@ def test_a_mission_runs_to_its_end_and_leaves_its_results_only(place: Place) -> 
     hosts = {line.origin[0] for line in read_journal(place.folder / "out") if line.origin is not None}
     assert hosts >= {"body", "knowledge_sources", "manager"}
     assert place.state.records(alive=False) == []
+    assert not (place.state.path / "hosts").exists()
     assert place.port_is_free()
 
 
