@@ -20,7 +20,6 @@ CONNECTIONS = {  # why zenoh says that a connection failed, and what we call it
     b"certificate expired": "expired certificate",
     b"key usage": "wrong certificate",
     b"InvalidContentType": "plain connection",
-    b"handshake eof": "unfinished connection",
 }
 MESSAGES = {  # what zenoh calls a message (the first of these words that it holds), and what we call it
     b"Token": "liveliness",
@@ -45,6 +44,7 @@ _JUDGED = re.compile(
     rb"zenoh::net::routing::interceptor::access_control: (?:Using cached result: )?(?P<zid>[0-9a-f]+)(?: on (?P<subject>\S+))?"
     rb" is (?P<un>un)?authorized to (?P<what>[A-Za-z ]+) \((?P<flow>ingress|egress)\) on (?P<key>.*)"
 )
+_KNOCK = b"tls handshake eof"  # somebody saw that there is something, and went: `ski doctor`, for one
 _INTERCEPTED = b"zenoh::net::routing::interceptor: Msg intercepted!"
 _REFUSED = re.compile(rb"zenoh_link_tls::\w+: (?P<why>.*)")
 _CONNECTED = re.compile(rb'zid: (?P<zid>[0-9a-f]+),.*auth_identifier: \w+\(Some\("(?P<name>[^"]*)"\)\)')
@@ -133,7 +133,7 @@ def _too_large(judged: "re.Match[bytes]", judged_at: str, intercepted_at: str) -
 def _refused(line: bytes) -> Denial | None:
     start = _START.match(line)
     match = _REFUSED.search(line)
-    if start is None or match is None or start["level"] != b"WARN":
+    if start is None or match is None or start["level"] != b"WARN" or _KNOCK in line:
         return None
     kind = next((kind for words, kind in CONNECTIONS.items() if words in match["why"]), OTHER)
     return Denial(_text(start["stamp"]), kind, "", _text(match["why"].partition(b" Hint:")[0]))
