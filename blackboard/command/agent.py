@@ -2,13 +2,13 @@
 
 import argparse
 import os
-import signal
 import socket
 import sys
 import threading
 from importlib.metadata import version
 
 from blackboard.command.connection import add_connection_options, link_params
+from blackboard.command.ending import when_told_to_end
 from blackboard.errors import LinkError, MissionError
 from blackboard.key_expressions import is_chunk
 from blackboard.processes.agent import Agent, AgentParams
@@ -48,13 +48,12 @@ def call(options: argparse.Namespace) -> int:
         nursery=socket.socket(fileno=options.nursery) if options.nursery is not None else None,
     )
     agent = Agent(params, version("sensory-knowledge-integrator"))
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: agent.end())
     if options.passing:
         threading.Thread(target=_read_orders, args=(agent,), name="orders", daemon=True).start()
     else:
         sys.stderr.write(f"ski: {options.name} waits for a manager at {link.address}; Ctrl-C ends it\n")
-    agent.run()
+    with when_told_to_end(agent.end):
+        agent.run()
     return 0
 
 

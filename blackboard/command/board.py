@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import signal
 import sys
 import time
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from blackboard.command.connection import add_connection_options, link_params
+from blackboard.command.ending import when_told_to_end
 from blackboard.errors import LinkError
 from blackboard.keeper.board_folder import DEFAULT
 from blackboard.link.address import DEFAULT_ADDRESS, parse_address
@@ -90,18 +90,17 @@ def _serve(options: argparse.Namespace) -> int:
     try:
         if options.keys is not None:
             rejections.start()
-        for number in (signal.SIGTERM, signal.SIGINT):
-            signal.signal(number, lambda *_: keeper.stop())
-        keeper.open()
-        if options.leashed:
-            from blackboard.processes.leashed import end_with_holder
+        with when_told_to_end(keeper.stop):
+            keeper.open()
+            if options.leashed:
+                from blackboard.processes.leashed import end_with_holder
 
-            end_with_holder()
-        for robot, entries in keeper.brought_back.items():
-            sys.stdout.write(f"board of {robot}: {entries} entries stand again (--fresh begins anew)\n")
-        sys.stdout.write(f"listening at {listening_at(link.address, link.keys)}, journals in {options.folder}\n")
-        sys.stdout.flush()
-        keeper.run()
+                end_with_holder()
+            for robot, entries in keeper.brought_back.items():
+                sys.stdout.write(f"board of {robot}: {entries} entries stand again (--fresh begins anew)\n")
+            sys.stdout.write(f"listening at {listening_at(link.address, link.keys)}, journals in {options.folder}\n")
+            sys.stdout.flush()
+            keeper.run()
     finally:
         keeper.close()
         rejections.close()

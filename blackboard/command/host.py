@@ -1,11 +1,11 @@
 """`ski host MISSION --name NAME`: run one host of a mission: its share of the components, on the board that the keeper keeps."""
 
 import argparse
-import signal
 import sys
 from pathlib import Path
 
 from blackboard.command.connection import add_connection_options, link_params
+from blackboard.command.ending import when_told_to_end
 from blackboard.command.mission_options import add_mission_options, load
 from blackboard.processes.leashed import end_with_holder
 
@@ -39,9 +39,8 @@ def call(options: argparse.Namespace) -> int:
             machine=options.machine,
         ),
     )
-    signal.signal(signal.SIGTERM, lambda *_: host.stop())
-    signal.signal(signal.SIGINT, lambda *_: host.stop())
     if options.leashed:
         end_with_holder()
-    host.run()
+    with when_told_to_end(host.stop):
+        host.run()
     return 0

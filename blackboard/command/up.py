@@ -4,7 +4,6 @@ import argparse
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -15,6 +14,7 @@ from pathlib import Path
 
 from blackboard.assembly import Assembly, assemble
 from blackboard.command.connection import add_connection_options, link_params
+from blackboard.command.ending import when_told_to_end
 from blackboard.command.execute import add_run_options, new_folder
 from blackboard.command.main import EXIT_ERROR, EXIT_INTERRUPTED
 from blackboard.command.mission_options import add_mission_options, load, robot_settings
@@ -74,7 +74,7 @@ def call(options: argparse.Namespace) -> int:
     folder = Path(options.out) if options.out is not None else new_folder(path.stem)
     prepare_output_folder(folder, options.force)
     up = _Up(options, link, state, folder)
-    with up.written_down(), up.asked():
+    with up.written_down(), when_told_to_end(up.hear):
         up.begin()
         seen = up.oversee()
     return up.conclude(seen)
@@ -114,21 +114,11 @@ class _Up:
                 with suppress(OSError):
                     self._folder.rmdir()
 
-    @contextmanager
-    def asked(self) -> Iterator[None]:
-        """Hear Ctrl-C and `ski down`: the first ends the mission in order, a second one at once."""
-
-        def hear(number: int, frame: object) -> None:
-            if self._asked_to_end or not self._underway:
-                raise KeyboardInterrupt
-            self._asked_to_end = True
-
-        before = {number: signal.signal(number, hear) for number in (signal.SIGINT, signal.SIGTERM)}
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
+    def hear(self) -> None:
+        """Hear Ctrl-C or `ski down`: the first ends the mission in order, a second one at once."""
+        if self._asked_to_end or not self._underway:
+            raise KeyboardInterrupt
+        self._asked_to_end = True
 
     def begin(self) -> None:
         """Start what is not there, keeper and executor, before the mission is read: they need a while themselves."""
