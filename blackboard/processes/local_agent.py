@@ -73,6 +73,11 @@ class LocalAgent:
             if self._order is not None:
                 self._child.say(encode(self._order))
 
+    @property
+    def ended(self) -> bool:
+        """Say whether it has ended, and with it all that it ran."""
+        return self._over is not None
+
     def end(self) -> None:
         """Let it stop everything, and wait for that."""
         if self._nursery_end is not None:  # it never came to that

@@ -30,6 +30,8 @@ from blackboard.processes.protocol import (
 
 BEAT_S = 0.5
 ORDER_AGAIN_S = 2.0
+HEARD_S = 1.0  # the keeper's heartbeats come 5 times a second
+GONE_S = 2.0  # for an executor to find the keeper again: attempts are at most half a second apart
 SOURCE = "manager"
 SILENCE = "Timeout"  # zenoh's word for no answer
 Later = Callable[[Callable[[], None]], None]  # does something on the loop of who owns the board
@@ -108,7 +110,9 @@ class Manager:
         later: Later,
         *,
         name: str = "",
+        keeper_heard_s: Callable[[], float] = time.monotonic,
     ) -> None:
+        """Begin to manage; `keeper_heard_s` tells when the keeper was last heard, by the monotonic clock."""
         self.name = name or f"{os.getpid()}-{time.time_ns():x}"
         self._session = session
         self._orders = orders
@@ -118,15 +122,16 @@ class Manager:
         self.refusals: dict[str, str] = {}  # why a machine does not do as ordered
         self._wanted = {host.name for hosts in orders.hosts.values() for host in hosts}
         self._asked_s: dict[str, float] = {}
-        self._gone: set[str] = set()  # boots of executors that ended: what they said may still come
+        self._keeper_heard_s = keeper_heard_s
+        self._open_since_s = float("inf")  # the keeper has been heard without a break
+        self._missed: dict[str, tuple[str, float]] = {}  # machine: the executor's boot whose token ended, and when
         self._beat_s = float("-inf")
         self._ending = False
         session.subscribe(f"{AGENTS}/*/report", lambda arrived: later(lambda: self._take(arrived)))
         session.watch(f"{AGENTS}/*/alive/*", lambda key, alive: later(lambda: self._see(key, alive)))
 
-    def tend(self) -> None:
-        """Tell the executors that their manager is there."""
-        now_s = time.monotonic()
+    def tend(self, now_s: float) -> None:
+        """Tell the executors that their manager is there, and see who of them is not; by the monotonic clock."""
         if now_s - self._beat_s >= BEAT_S:
             self._beat_s = now_s
             beat = ManagerBeat(
@@ -137,6 +142,7 @@ class Manager:
                 pid=os.getpid(),
             )
             self._session.put(f"ski/@manager/{self.name}/beat", encode(beat), lane="command")
+        self._look_for_missed(now_s)
 
     @property
     def processes(self) -> list[ProcessReport]:
@@ -154,23 +160,29 @@ class Manager:
         """The machines that are to run something and were not heard of yet."""
         return [machine for machine, hosts in self._orders.hosts.items() if hosts and machine not in self.agents]
 
-    def end(self) -> None:
-        """Have every executor stop what it runs for this mission."""
+    @property
+    def missed(self) -> list[str]:
+        """The machines whose executors have not been there lately: they, or the keeper between, are gone."""
+        return list(self._missed)
+
+    def end(self, *, elsewhere: bool = False) -> None:
+        """Have executors stop what they run for this mission: all, or all on other machines than the manager's own."""
         self._ending = True
         for machine in self.agents:
-            self._order(machine, Order(manager=self.name))
+            if not (elsewhere and machine == self._orders.machine):
+                self._order(machine, Order(manager=self.name))
 
-    @property
-    def ended(self) -> bool:
-        """Say whether no executor runs anything for this mission any more."""
-        return self._ending and not self.processes
+    def ended(self, *, elsewhere: bool = False) -> bool:
+        """Say whether no executor runs anything for this mission any more: none at all, or none on other machines."""
+        own = self._orders.machine
+        return self._ending and not any(p for p in self.processes if not (elsewhere and p.machine == own))
 
     def _take(self, arrived: Arrived) -> None:
         with contextlib.suppress(LinkError):
             self._note(decode(arrived.payload, AgentReport))
 
     def _note(self, report: AgentReport) -> None:
-        if report.machine not in self._orders.hosts or report.boot in self._gone:
+        if report.machine not in self._orders.hosts:
             return
         self.agents[report.machine] = report
         if report.manager == self.name:
@@ -195,15 +207,27 @@ class Manager:
             return
         if alive:
             self._asked_s.pop(machine, None)
+            self._missed.pop(machine, None)
+        else:
+            self._missed[machine] = (boot, time.monotonic())
+
+    def _look_for_missed(self, now_s: float) -> None:
+        """Take executors for gone whose tokens stay away: they end with the keeper too, and come back with it."""
+        if now_s - self._keeper_heard_s() > HEARD_S:
+            self._open_since_s = float("inf")
             return
-        self._gone.add(boot)
-        last = self.agents.get(machine)
-        if last is not None and last.boot == boot:
-            del self.agents[machine]
-            for process in last.processes:
-                if process.name in self._wanted:
-                    lost = ProcessStatus(state="lost", machine=machine, last_line="its executor is gone")
-                    self._tell(process.name, lost)
+        self._open_since_s = min(self._open_since_s, now_s)
+        for machine, (boot, missed_s) in list(self._missed.items()):
+            if now_s - max(missed_s, self._open_since_s) < GONE_S:
+                continue
+            del self._missed[machine]
+            last = self.agents.get(machine)
+            if last is not None and last.boot == boot:
+                del self.agents[machine]
+                for process in last.processes:
+                    if process.name in self._wanted:
+                        lost = ProcessStatus(state="lost", machine=machine, last_line="its executor is gone")
+                        self._tell(process.name, lost)
 
     def _order(self, machine: str, order: Order) -> None:
         now_s = time.monotonic()

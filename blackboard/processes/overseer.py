@@ -81,7 +81,7 @@ class Overseer:
                 replica.tend()
             if self.local is not None and not self._ending:
                 self.local.tend(now_s)
-        self.manager.tend()
+        self.manager.tend(now_s)
         with contextlib.suppress(Empty):
             item = self.replica.queue.get(timeout=wait_s)
             while True:
@@ -115,22 +115,35 @@ class Overseer:
         for each in replicas:
             each.join()
         boards = list(self.boards.values())
-        self.manager = Manager(session, self.orders, boards, replica.queue.put, name=self.name)
+        self.manager = Manager(
+            session,
+            self.orders,
+            boards,
+            replica.queue.put,
+            name=self.name,
+            keeper_heard_s=lambda: replica.keeper_heard_s,
+        )
 
     def _beat(self, *, leaving: bool = False) -> None:
         for replica in self._replicas:
             replica.beat(("manager",), self.orders.machine, self._version, leaving=leaving)
 
     def _end(self) -> None:
+        """Stop what runs elsewhere first: the keeper goes with what runs here, and has to hear their last words."""
         self._ending = True
-        self.manager.end()
         until_s = time.monotonic() + END_S
-        while not self.manager.ended and time.monotonic() < until_s:
-            self.step()
+        for elsewhere in (True, False):
+            self.manager.end(elsewhere=elsewhere)
+            while not (self.manager.ended(elsewhere=elsewhere) or self._all_gone) and time.monotonic() < until_s:
+                self.step()
         self._beat(leaving=True)
         if self.orders.keeper_folder is None:
             with contextlib.suppress(LinkError):  # it may be gone by now
                 self._find_journals()
+
+    @property
+    def _all_gone(self) -> bool:
+        return self.local is not None and self.local.ended
 
     def _find_journals(self) -> None:
         status = keeper_status(self._session, self.link.address)

@@ -3,6 +3,7 @@
 import os
 import queue
 import signal
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -30,11 +31,18 @@ class Loop:
         orders = orders_of(
             PLANS, mission="explore-lab", robot="k2a", machine="desk", seed=3, pace=2.0, settings=["a.b=1"]
         )
-        self.manager = Manager(session, orders, [self.board], self._queue.put)
+        self.heard_s: float | None = None  # when the keeper was heard; None: now
+        self.manager = Manager(
+            session,
+            orders,
+            [self.board],
+            self._queue.put,
+            keeper_heard_s=lambda: time.monotonic() if self.heard_s is None else self.heard_s,
+        )
 
     def until(self, holds: Callable[[], Any]) -> None:
         for _ in range(100):
-            self.manager.tend()
+            self.manager.tend(time.monotonic())
             if holds():
                 return
             try:
@@ -100,12 +108,40 @@ def test_one_that_had_let_go_is_ordered_again(start_agent: Any, meeting: Any, lo
     loop.until(lambda: [p.state for p in loop.manager.processes] == ["starting"])
 
 
+def test_others_stop_before_the_managers_own(start_agent: Any, loop: Any) -> None:
+    start_agent("desk")
+    start_agent("shed")
+    loop.until(lambda: len(loop.states()) == 2)
+    loop.manager.end(elsewhere=True)
+    loop.until(lambda: loop.manager.ended(elsewhere=True))
+    assert [p.name for p in loop.manager.processes] == ["robot"]
+    assert not loop.manager.ended()
+
+
+def test_a_keeper_that_is_away_makes_nobody_look_lost(start_agent: Any, loop: Any) -> None:
+    running = start_agent("desk")
+    loop.until(lambda: loop.states() == {"robot": "starting"})
+    loop.heard_s = float("-inf")
+    running.end()
+    loop.until(lambda: loop.manager.missed == ["desk"])
+    later_s = time.monotonic() + 100.0
+    loop.manager.tend(later_s)
+    assert loop.manager.missing == ["shed"]
+    for passed_s in (1.0, 1.5, 2.5):  # the keeper is back, and the executor would be soon
+        loop.heard_s = later_s + passed_s
+        loop.manager.tend(loop.heard_s)
+        assert loop.manager.missing == ["shed"]
+    loop.heard_s = later_s + 3.1
+    loop.manager.tend(loop.heard_s)
+    assert loop.manager.missing == ["desk", "shed"]
+
+
 def test_at_the_end_everybody_stops(start_agent: Any, loop: Any) -> None:
     start_agent("desk")
     start_agent("shed")
     loop.until(lambda: len(loop.states()) == 2)
     loop.manager.end()
-    loop.until(lambda: loop.manager.ended)
+    loop.until(lambda: loop.manager.ended())
 
 
 def test_why_a_machine_does_not_obey_is_known(start_agent: Any, meeting: Any, loop: Any) -> None:
