@@ -15,11 +15,12 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from blackboard.access import Access
 from blackboard.board import Board
 from blackboard.component import KnowledgeSource, Trigger
+from blackboard.condition import Condition
 from blackboard.entry import Entry
 from blackboard.errors import ComponentFailed, SkiError
 from blackboard.kinds import ACTIVATION, ACTIVATION_TIME, AGENDA, COMPONENT, FOCUS, Kind
@@ -44,46 +45,13 @@ class ControlParams:
         require(self.agenda_limit >= 1, "agenda_limit", self.agenda_limit, "1 and more")
 
 
-class _Condition(Generic[M]):
-    """A trigger with what it has seen since it last fired."""
-
-    def __init__(self, trigger: Trigger[M]) -> None:
-        self.trigger = trigger
-        self._units = 0
-        self._fired_s: float | None = None
-
-    @property
-    def state(self) -> tuple[int, float | None]:
-        """What it has seen: units, and when it last fired."""
-        return self._units, self._fired_s
-
-    @state.setter
-    def state(self, seen: tuple[int, float | None]) -> None:
-        self._units, self._fired_s = seen
-
-    def holds(self, entry: Entry[M], now_s: float) -> bool:
-        trigger = self.trigger
-        if not trigger.conditional:
-            return True
-        self._units += 1 if trigger.count is None else trigger.count(entry.value)
-        if self._units < trigger.every:
-            return False
-        if self._fired_s is not None and now_s - self._fired_s < trigger.min_interval_s:
-            return False
-        if trigger.when is not None and not trigger.when(entry):
-            return False
-        self._units = 0
-        self._fired_s = now_s
-        return True
-
-
 class _Source:
     """A knowledge source under control: its records, its access, its standing."""
 
     def __init__(self, source: KnowledgeSource[Any], board: Board) -> None:
         self.source = source
         self.triggers = as_triggers(source)
-        self.conditions = [_Condition(trigger) for trigger in self.triggers]
+        self.conditions = [Condition(trigger) for trigger in self.triggers]
         kinds = [trigger.kind for trigger in self.triggers]
         self.access = Access(board, source.name, [*kinds, *source.reads], source.posts)
         self.records: deque[tuple[int, Entry[Any]]] = deque()  # (order of arrival, trigger)
@@ -189,7 +157,7 @@ class Control:
         if held.resting:
             held.records.clear()
 
-    def _noting(self, held: _Source, condition: _Condition[Any]) -> Callable[[Entry[Any]], None]:
+    def _noting(self, held: _Source, condition: Condition[Any]) -> Callable[[Entry[Any]], None]:
         def note(entry: Entry[Any]) -> None:
             if held.enabled and not held.resting and entry.event != "retracted" and self._holds(held, condition, entry):
                 self._arrivals += 1
@@ -200,7 +168,7 @@ class Control:
 
         return note
 
-    def _holds(self, held: _Source, condition: _Condition[Any], entry: Entry[Any]) -> bool:
+    def _holds(self, held: _Source, condition: Condition[Any], entry: Entry[Any]) -> bool:
         if not condition.trigger.conditional:
             return True
         verdict: list[bool] = []

@@ -24,7 +24,6 @@ from blackboard.access import Access
 from blackboard.component import Parts, Planner
 from blackboard.entry import Entry
 from blackboard.errors import SkiError
-from blackboard.key_expressions import is_chunk
 from blackboard.kinds import (
     COMMUNICATION_ERROR,
     FACT,
@@ -46,7 +45,7 @@ from rules.engines.engine import Engine
 from rules.engines.engine import Firing as Fired
 from rules.engines.factory import make_engine
 from rules.language.errors import RuleError as LanguageError
-from rules.language.syntax import Position, Program
+from rules.language.syntax import Program
 from rules.language.templates import planning_templates
 from rules.language.values import FactValue
 from rules.posted_kinds import posted_kinds
@@ -54,6 +53,7 @@ from rules.reload import take_over
 from rules.remembered import remembered
 from rules.resuming import PlannerState, drop_fired, newest_number, resumed
 from rules.rule_files import RuleFileSet, program_of
+from rules.rule_names import chunk, rule_at
 from rules.shown_facts import show_anew, show_changes, show_deffacts, shown
 from rules.working_memory import WorkingMemory
 
@@ -298,15 +298,3 @@ class PlanningModule(Planner[PlanningParams]):
             board.post(RULE_ERROR, fault, id=chunk(activation.rule), supports=(firing,))
         self._take_changes()  # what it posted is news to the next rule at once: a motivation, and so its number
         return memory.engine.halted
-
-
-def rule_at(position: Position | None, program: Program) -> str:
-    """Return the name of the rule that stands at a place: the last one that begins before it."""
-    before = [rule for rule in program.rules if position is not None and rule.position <= position]
-    here = [rule for rule in before if position is not None and rule.position.file == position.file]
-    return max(here, key=lambda rule: rule.position).name if here else "unknown"
-
-
-def chunk(name: str) -> str:
-    """Return a rule's name as a part of a key."""
-    return "".join(letter if is_chunk(letter) else "_" for letter in name)

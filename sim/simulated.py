@@ -13,9 +13,7 @@ others and of what they sense.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from math import floor, inf, pi
-from pathlib import Path
+from math import floor, inf
 from typing import Any
 
 import numpy as np
@@ -35,9 +33,8 @@ from blackboard.messages.sensing import (
     RobotDescription,
     SonarScan,
 )
-from blackboard.parameters import require
 from sim.camera import camera_fan, look
-from sim.disturbances import Disturbance, Disturber
+from sim.disturbances import Disturber
 from sim.dock import Charge
 from sim.drive import Base
 from sim.kept_state import as_record
@@ -48,6 +45,7 @@ from sim.robot_file import load_robot
 from sim.schedule import Schedule
 from sim.sensor_models import TICKS_PER_S
 from sim.shapes import Floats, Shapes
+from sim.simulated_params import SimulatedRobotParams
 from sim.sonar import fire, sonar_fans, true_echoes
 from sim.starts import check_apart, check_same_world, start_pose
 from sim.surroundings import Surroundings
@@ -58,35 +56,6 @@ KEPT = (  # what outlives a process, beside what the parts keep
     *("_sonar_rng", "_laser_rng", "_camera_rng", "_echoes_lost", "_cross_talk"),
     *("_told_way_m", "_told_turn_rad", "_bumper", "_charge_fraction", "_charge"),
 )
-
-
-@dataclass(frozen=True)
-class SimulatedRobotParams:
-    """Which robot, in which world, and what is true to life in it."""
-
-    world: Path = Path(
-        "lab"
-    )  # a shipped world, a world's .toml, a ROS map's .yaml, or "random": a floor plan drawn from ...
-    world_seed: int = 0
-    robot: Path = Path("k2a")
-    people: bool = False  # those whom the world knows walk in it
-    odometry_errors: bool = True  # off: the wheels tell the truth
-    disturbances: tuple[
-        Disturbance, ...
-    ] = ()  # of "chair", "person", "door": what gets in its way, drawn with the seed
-    drawn_odometry: bool = False  # each run has wheels of its own: the robot's scales and drift are sigmas to draw from
-    start_x_m: float | None = None  # together with start_y_m; else the world's start, else where there is most room
-    start_y_m: float | None = None
-    start_heading_rad: float | None = None
-    start_charge_fraction: float = 1.0  # of its battery
-
-    def __post_init__(self) -> None:
-        if (self.start_x_m is None) != (self.start_y_m is None):
-            raise MissionError("start_x_m and start_y_m belong together; give both or none")
-        require(0 <= self.world_seed < 2**31, "world_seed", self.world_seed, "[0, 2147483647]")
-        require(0.0 <= self.start_charge_fraction <= 1.0, "start_charge_fraction", self.start_charge_fraction, "[0, 1]")
-        if self.start_heading_rad is not None:
-            require(abs(self.start_heading_rad) <= 2 * pi, "start_heading_rad", self.start_heading_rad, "[-2 pi, 2 pi]")
 
 
 class SimulatedRobot(Robot[SimulatedRobotParams]):

@@ -12,7 +12,8 @@ from blackboard.messages.sensing import Blob, BlobScan
 from sim.camera import camera_fan, look
 from sim.robot_file import load_robot
 from sim.sensor_models import CameraModel
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 from sim.world import World
 from sim.world_file import load_world_file
 

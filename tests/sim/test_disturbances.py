@@ -10,7 +10,8 @@ import shapely
 from blackboard.messages.geometry import Pose
 from blackboard.messages.motion import Drive
 from sim.disturbances import AHEAD_M, CHAIR_M, EARLIEST_S, S_PER_M2, STANDS_S, Disturber
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 from sim.world_by_name import load_world
 
 ROOMS = """[floor]

@@ -10,7 +10,8 @@ from blackboard.kinds import BATTERY
 from blackboard.messages.geometry import Pose
 from blackboard.messages.motion import Drive
 from sim.dock import Charge, Dock
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 from sim.world_file import load_world_file
 
 DOCK = Dock(x_m=2.0, y_m=0.0, heading_rad=0.0)

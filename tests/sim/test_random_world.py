@@ -8,7 +8,8 @@ import shapely
 
 from blackboard.errors import MissionError
 from sim.random_world import NARROWEST_M, ROBOT_M, random_world
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 from sim.world_by_name import load_world
 
 SEEDS = range(25)

@@ -12,7 +12,8 @@ from blackboard.component import Reading
 from blackboard.messages.geometry import Pose
 from blackboard.messages.motion import Drive
 from blackboard.vocabulary import Vocabulary
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 
 AHEAD = Drive(forward_mps=0.4, turn_radps=0.3, limited_by="")
 MUCH = {"world": Path("lab"), "people": True, "drawn_odometry": True, "disturbances": ("chair", "person", "door")}

@@ -10,7 +10,8 @@ from PIL import Image
 
 from blackboard.errors import MissionError
 from sim.ros_map import load_ros_map
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 from sim.world_by_name import load_world
 
 MAPS = Path(__file__).resolve().parents[2] / "../shared/data/maps"

@@ -17,7 +17,8 @@ from blackboard.errors import MissionError
 from blackboard.kinds import BATTERY, BUMPER, LASER_SCAN, ODOMETRY, ROBOT, SONAR_SCAN
 from blackboard.messages.motion import Drive
 from blackboard.vocabulary import Vocabulary
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 
 Params = SimulatedRobotParams
 PIONEER = Params(world=Path("office"), robot=Path("pioneer"), people=True)

@@ -10,7 +10,8 @@ from blackboard.errors import MissionError
 from blackboard.kinds import LASER_SCAN
 from blackboard.messages.motion import Drive
 from sim.people import Person, Walker
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 from sim.world_file import load_world_file
 
 FLOOR = """[floor]

@@ -12,7 +12,8 @@ from blackboard.component import Reading
 from blackboard.errors import MissionError
 from blackboard.kinds import BLOBS, BUMPER, LASER_SCAN, SONAR_SCAN
 from blackboard.messages.motion import Drive
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 
 ROBOT = """
 [body]

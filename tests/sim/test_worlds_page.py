@@ -3,7 +3,8 @@
 import re
 from pathlib import Path
 
-from sim.simulated import SimulatedRobot, SimulatedRobotParams
+from sim.simulated import SimulatedRobot
+from sim.simulated_params import SimulatedRobotParams
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/worlds-and-robots.md"
 
