@@ -234,7 +234,13 @@ class PlanningModule(Planner[PlanningParams]):
                 self._changed.setdefault(entry.key, entry)
 
     def _show_late(self, board: Access) -> None:
-        """Post an error for each behaviour that has not acknowledged in time, and take it back where it has since."""
+        """Post an error for each behaviour that has not acknowledged in time, and take it back where it has since.
+
+        Once the mission is over nobody answers any more, and nobody is blamed for it.
+        """
+        mission = board.newest(MISSION)
+        if mission is not None and mission.value.state != "underway":
+            return
         for behaviour, (number, waited_s) in self._actions.late().items():
             board.post(COMMUNICATION_ERROR, CommunicationError(number=number, waited_s=waited_s), id=behaviour)
         for entry in board.entries(COMMUNICATION_ERROR):

@@ -9,6 +9,8 @@ from blackboard.command.ending import when_told_to_end
 from blackboard.command.mission_options import add_mission_options, load
 from blackboard.processes.leashed import end_with_holder
 
+LEASHED_PATIENCE_S = 600.0  # an executor's host that dies while the network is cut is there when it heals
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the verb's arguments."""
@@ -37,6 +39,7 @@ def call(options: argparse.Namespace) -> int:
             state=options.state,
             strict=options.strict,
             machine=options.machine,
+            patience_s=LEASHED_PATIENCE_S if options.leashed else 0.0,
         ),
     )
     if options.leashed:

@@ -15,10 +15,10 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from blackboard.assembly import Assembly, assemble
-from blackboard.errors import MissionError
+from blackboard.errors import LinkError, MissionError
 from blackboard.folder_lock import FolderLock
 from blackboard.link.clock import CLOCK_OFF_S, clock_is_off
-from blackboard.link.replica import Item
+from blackboard.link.replica import JOIN_S, Item
 from blackboard.link.session import LinkParams, Session, open_session
 from blackboard.link.share import Share
 from blackboard.members import member, members, share_world
@@ -40,6 +40,7 @@ class HostOptions:
     state: Path | None = None
     strict: bool = False
     machine: str = ""
+    patience_s: float = 0.0  # so long it waits for a keeper that is not there when it starts
 
 
 class Host:
@@ -69,15 +70,25 @@ class Host:
         with ExitStack() as closing:
             if self.options.state is not None:
                 closing.callback(FolderLock(self.options.state, "host", "--state").release)
-            session = closing.enter_context(open_session(self.options.link))
+            session = closing.enter_context(self._linked())
             shares: list[Share] = []
             for assembly in self._assemblies:
                 shares.append(self._share(session, assembly))
                 closing.callback(shares[-1].close)
             for share in shares:
-                share.join(self.options.pace, shares[0].replica.now_s() if share is not shares[0] else None)
+                begin_s = shares[0].replica.now_s() if share is not shares[0] else None
+                share.join(self.options.pace, begin_s, timeout_s=max(JOIN_S, self.options.patience_s))
             self._loop(shares)
             self._finish(shares)
+
+    def _linked(self) -> Session:
+        until_s = time.monotonic() + self.options.patience_s
+        while True:
+            try:
+                return open_session(self.options.link)  # tries for some seconds
+            except LinkError:
+                if self._stopping or time.monotonic() >= until_s:
+                    raise
 
     def stop(self) -> None:
         """End soon."""

@@ -41,16 +41,16 @@ class Share:
         self.stages = Stages(self.replica.board, assembly, plan, strict=strict)
         self._kept = KeptStates(state, assembly.mission, seed, self.replica.boot, self.replica.board)
 
-    def join(self, pace: float, begin_s: float | None = None) -> None:
-        """Join the board, and go on from what was kept; raise LinkError where no keeper answers.
+    def join(self, pace: float, begin_s: float | None = None, *, timeout_s: float) -> None:
+        """Join the board, and go on from what was kept; raise LinkError where no keeper answers within `timeout_s`.
 
         Where nobody has begun the robot's clock it begins at `begin_s` (a world that runs already), else where the robot starts.
         """
         replica, robot = self.replica, self.stages.robot
         if robot is not None:
-            replica.join(begin_s=self.robot.start_s if begin_s is None else begin_s, pace=pace)
+            replica.join(begin_s=self.robot.start_s if begin_s is None else begin_s, pace=pace, timeout_s=timeout_s)
         else:
-            replica.join(pace=pace)
+            replica.join(pace=pace, timeout_s=timeout_s)
         replica.board.now_s = max(replica.board.now_s, replica.now_s())
         self.stages.resume(self._kept.restored())
         if robot is not None:

@@ -92,7 +92,7 @@ def test_a_mission_runs_to_its_end_and_leaves_its_results_only(place: Place) -> 
     done = place.up("--duration", "6", "--pace", "4", "--json", "--name", "desk")
     assert done.returncode == 0, done.stderr
     table = json.loads(done.stdout)
-    assert table["time_s"] > 5.0
+    assert max(line.stamp_s for line in read_journal(place.folder / "out")) > 5.0
     assert (table["collisions"], table["robot"]) == (0, "k2a")
     assert "body on desk: running" in done.stderr
     assert "k2a moves" in done.stderr
