@@ -88,6 +88,14 @@ def test_an_acknowledgement_in_time_is_no_error(bench_of: BenchOf) -> None:
     assert bench.board.entries(COMMUNICATION_ERROR) == []
 
 
+def test_nobody_is_blamed_for_silence_after_the_mission(bench_of: BenchOf) -> None:
+    bench = bench_of(THESIS, "(defrule end (initial-fact) => (post (mission (state done))))", acknowledge_s=0.5)
+    bench.cycle()
+    assert bench.board.newest(MISSION) is not None
+    bench.cycle(2.0)
+    assert bench.board.entries(COMMUNICATION_ERROR) == []
+
+
 COUNT = """
 (defrule see (target (id ?t) (place-x-m ?x)) => (assert (seen ?t ?x)))
 (defrule lose ?seen <- (seen ?t ?) (not (target (id ?t))) => (retract ?seen))
