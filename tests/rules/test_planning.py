@@ -89,7 +89,9 @@ def test_an_acknowledgement_in_time_is_no_error(bench_of: BenchOf) -> None:
 
 
 def test_nobody_is_blamed_for_silence_after_the_mission(bench_of: BenchOf) -> None:
-    bench = bench_of(THESIS, "(defrule end (initial-fact) => (post (mission (state done))))", acknowledge_s=0.5)
+    bench = bench_of(
+        THESIS, "(defrule end (declare (salience 100)) => (post (mission (state done))))", acknowledge_s=0.5
+    )
     bench.cycle()
     assert bench.board.newest(MISSION) is not None
     bench.cycle(2.0)
