@@ -1,7 +1,7 @@
 """A folder of keys on the machine where they are made.
 
 DIR/authority/{ca.pem, key.pem}                     signs; only `ski keys` needs it, keep it to yourself
-DIR/members.json, DIR/keeper/{ca, cert, key}.pem    what the keeper needs
+DIR/members.json, DIR/keeper/                       what the keeper needs
 DIR/members/NAME/{ca, cert, key}.pem, member.json   what a member needs: copy this folder to its machine
 """
 
@@ -14,7 +14,17 @@ import msgspec
 from blackboard.errors import KeysError, LinkError
 from blackboard.keys.certificates import KEEPER_NAME, Pair, expiry, hosts_of, make_authority, make_keeper, make_member
 from blackboard.keys.files import make_folder, read_file, write_files
-from blackboard.keys.members import MEMBER_FILE, MEMBERS_FILE, Member, encode, new_member, read_members
+from blackboard.keys.members import (
+    KEEPER_FILE,
+    MEMBER_FILE,
+    MEMBERS_FILE,
+    KeeperKeys,
+    Member,
+    encode,
+    new_member,
+    read_keeper,
+    read_members,
+)
 from blackboard.link.address import parse_address
 
 LOOPBACK = ("localhost", "127.0.0.1", "::1")  # the keeper's certificate is good for these too
@@ -67,7 +77,7 @@ def renew(path: Path, name: str, now: datetime.datetime, days: int = DAYS) -> Pa
     _check_days(days)
     members = read_members(path)
     if name == KEEPER_NAME:
-        _write_keeper(path, hosts_of(read_file(path / "keeper" / "cert.pem")), now, days)
+        _write_keeper(path, read_keeper(path / "keeper").hosts, now, days)
         return path / "keeper"
     member = _known(members, name)
     if member.revoked:
@@ -85,9 +95,9 @@ def revoke(path: Path, name: str) -> None:
 def listed(path: Path) -> list[Member]:
     """Return the keeper, as if it were a member, and all members."""
     members = read_members(path)
-    certificate = read_file(path / "keeper" / "cert.pem")
-    keeper = Member(name=KEEPER_NAME, roles=(KEEPER_NAME,), hosts=hosts_of(certificate), expires=expiry(certificate))
-    return [keeper, *members.values()]
+    keeper = read_keeper(path / "keeper")
+    shown = Member(name=KEEPER_NAME, roles=(KEEPER_NAME,), hosts=keeper.hosts, expires=keeper.expires)
+    return [shown, *members.values()]
 
 
 def _issue(path: Path, members: dict[str, Member], member: Member, now: datetime.datetime, days: int) -> Path:
@@ -105,8 +115,9 @@ def _issue(path: Path, members: dict[str, Member], member: Member, now: datetime
 def _write_keeper(path: Path, hosts: Sequence[str], now: datetime.datetime, days: int) -> None:
     authority = _authority(path)
     pair = make_keeper(authority, list(dict.fromkeys([*hosts, *LOOPBACK])), now, days)
+    said = KeeperKeys(hosts=hosts_of(pair.certificate), expires=expiry(pair.certificate))
     files = {"ca.pem": authority.certificate, "cert.pem": pair.certificate, "key.pem": pair.key}
-    write_files(path / "keeper", files)
+    write_files(path / "keeper", {**files, KEEPER_FILE: encode(said)})
 
 
 def _authority(path: Path) -> Pair:

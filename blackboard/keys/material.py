@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from blackboard.errors import KeysError
-from blackboard.keys.members import MEMBERS_FILE, Member, read_member, read_members
+from blackboard.keys.members import MEMBERS_FILE, Member, read_keeper, read_member, read_members
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +29,12 @@ def member_material(folder: Path, now: datetime.datetime) -> tuple[Material, Mem
     return _material(folder), member
 
 
-def keeper_material(folder: Path) -> tuple[Material, list[Member]]:
-    """Return the keeper's files and its members; raise KeysError where something is missing or open to others."""
+def keeper_material(folder: Path, now: datetime.datetime) -> tuple[Material, list[Member]]:
+    """Return the keeper's files and its members; raise KeysError where something is missing, open to others or expired."""
     members = list(read_members(folder).values())
+    keeper = read_keeper(folder / "keeper")
+    if keeper.expires <= now:
+        raise KeysError(f"the keeper's keys expired on {keeper.expires:%Y-%m-%d}; `ski keys renew {folder} keeper`")
     return _material(folder / "keeper"), members
 
 

@@ -14,6 +14,7 @@ ROLES = ("viewer", "planner", "operator", "robot", "knowledge", "agent")
 HOSTING = ("planner", "robot", "knowledge")  # roles that run as hosts
 MEMBERS_FILE = "members.json"
 MEMBER_FILE = "member.json"
+KEEPER_FILE = "keeper.json"
 MAX_LIST_BYTES = 10_000_000
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.\-]{0,39}")  # a chunk of a key that is a file's name too
@@ -37,6 +38,13 @@ class Member(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def common_name(self) -> str:
         """The common name of its certificate, which access control goes by."""
         return f"{self.name}.{self.generation}"
+
+
+class KeeperKeys(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the keeper's certificate is good for, so that a keeper can look without reading certificates."""
+
+    hosts: tuple[str, ...]
+    expires: datetime.datetime
 
 
 def new_member(
@@ -107,6 +115,13 @@ def read_member(folder: Path) -> Member:
     if problem:
         raise KeysError(f"{path}: {problem}")
     return member
+
+
+def read_keeper(folder: Path) -> KeeperKeys:
+    """Return what the keeper's certificate is good for, by the folder that holds it; raise KeysError where that cannot be told."""
+    path = folder / KEEPER_FILE
+    keeper: KeeperKeys = _read(path, KeeperKeys, f"{path} is missing; take the whole folder that `ski keys init` made")
+    return keeper
 
 
 def encode(value: Any) -> bytes:

@@ -62,7 +62,7 @@ def router_configuration(address: str, keys: Path | None = None) -> dict[str, An
     Raises LinkError where the address is malformed or takes keys, KeysError where they are no good.
     """
     parsed = parse_address(address)
-    material, members = (None, []) if keys is None else keeper_material(keys)
+    material, members = (None, []) if keys is None else keeper_material(keys, datetime.datetime.now(datetime.UTC))
     endpoint = _endpoint(parsed, keys)
     transport = _transport(endpoint, MAX_PAYLOAD_BYTES * 2)
     access: dict[str, Any] = {}

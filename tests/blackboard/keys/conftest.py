@@ -75,11 +75,16 @@ class RouterWithKeys:
         )
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
-        self.wait("ready")
+        try:
+            self.wait("ready")
+        except BaseException:
+            self.kill()
+            raise
 
     def _listen(self) -> None:
         for line in self.process.stdout:
             self._queue.put(json.loads(line))
+        self._queue.put(["ended"])
 
     def wait(self, *words: Any) -> list[Any]:
         """Return the next thing told that begins with `words`; fails where it is never told."""
@@ -91,6 +96,8 @@ class RouterWithKeys:
             self.told.append(told)
             if told[: len(words)] == list(words):
                 return told
+            if told == ["ended"]:
+                pytest.fail(f"the keeper ended before it said {words}; it said {self.told[-20:]}")
 
     def said(self, *words: Any) -> bool:
         """Say whether something was told so far that begins with `words`."""

@@ -159,7 +159,10 @@ def test_keys_are_looked_at_before_zenoh_does(keys):
     with pytest.raises(KeysError, match="holds the keeper's keys; name the folder of a member"):
         member_material(keys, NOW)
     with pytest.raises(KeysError, match="holds no keeper's keys"):
-        keeper_material(where)
+        keeper_material(where, NOW)
+    assert [member.name for member in keeper_material(keys, NOW)[1]] == ["eve"]
+    with pytest.raises(KeysError, match=r"the keeper's keys expired on 2031-05-01; `ski keys renew .*keys keeper`"):
+        keeper_material(keys, NOW + datetime.timedelta(days=400))
     (where / "key.pem").chmod(0o640)
     with pytest.raises(KeysError, match="can be read by others; `chmod 600"):
         member_material(where, NOW)
