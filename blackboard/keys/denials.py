@@ -35,7 +35,7 @@ OVERSIZED = "oversized payload"
 OTHER = "other"
 KINDS = tuple(dict.fromkeys([*MESSAGES.values(), OVERSIZED, *CONNECTIONS.values(), OTHER]))
 MAX_LINE_BYTES = 1_000_000
-AT_ONCE_S = 0.05
+AT_ONCE_S = 0.2  # a busy machine may stop the thread between the two
 LOOK_BACK = 64  # so many lines of other threads may stand between the two lines of one message
 
 _COLOUR = re.compile(rb"\x1b\[[0-9;]*m")

@@ -71,7 +71,7 @@ def test_kinds_of_messages(what, kind):
     [
         ("Query (ingress)", STAMP),
         ("Put (egress)", STAMP),
-        ("Put (ingress)", STAMP.replace("10.27", "10.37")),
+        ("Put (ingress)", STAMP.replace("10.27", "10.57")),
         ("Put (ingress)", STAMP.replace("10:31", "10:30")),
         ("Put (ingress)", "2026-99-99T99:99:99.999999Z"),
     ],
