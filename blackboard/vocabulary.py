@@ -23,7 +23,8 @@ M = TypeVar("M", bound=Message)
 
 _ENCODER = msgspec.json.Encoder()
 _PATH = re.compile(r"\.(\w+)|\[(\d+)\]")
-MAX_MESSAGE_BYTES = 32_000_000
+MAX_MESSAGE_BYTES = 16_000_000  # an entry with all that belongs to it: larger ones would hold up a link for too long
+MAX_VALUE_BYTES = 10_000_000  # of that, the value
 MAX_PARSED = 20_000  # keys remembered
 
 
@@ -108,6 +109,8 @@ def checked(kind: Kind[M], key: str, value: M) -> tuple[M, bytes]:
         raise MessageError(
             f"{key}: the value cannot be written as JSON ({error}); use plain numbers, strings, tuples"
         ) from None
+    if len(raw) > MAX_VALUE_BYTES:
+        raise MessageError(f"{key}: the value has {len(raw)} bytes, the limit is {MAX_VALUE_BYTES}; post it in parts")
     try:
         arrived = _decoder(kind.type).decode(raw)
     except msgspec.ValidationError as error:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from blackboard.parameters import require
+from blackboard.vocabulary import MAX_MESSAGE_BYTES
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -15,7 +16,7 @@ class KeeperParams:
     tombstones: int = 10_000  # retracted keys, so that nothing old brings them back
     robots: int = 64  # boards at most: a wrong program must not make one for each number it can think of
     boots: int = 1000  # starts of hosts whose positions are remembered, for each robot
-    entry_bytes: int = 32_000_000  # of one payload
+    entry_bytes: int = MAX_MESSAGE_BYTES  # of one payload
     queue_envelopes: int = 200_000  # come, not looked at yet; what is beyond comes again by the posters' own doing
     queue_bytes: int = 256_000_000
     beat_s: float = 0.2

@@ -13,6 +13,7 @@ from blackboard.keys.material import Material, keeper_material, member_material
 from blackboard.keys.roles import READABLE
 from blackboard.keys.rules import access_control
 from blackboard.link.address import Address, parse_address
+from blackboard.vocabulary import MAX_MESSAGE_BYTES
 
 LEASE_MS = 2000  # so long after its last sign of life a process counts as gone (kill -9 shows at once)
 KEEP_ALIVE = 4  # signs of life in a lease
@@ -21,7 +22,7 @@ RETRY_LONGEST_MS = 500
 CONNECT_MS = 3000  # so long a client tries before it gives up at its start; once connected it tries for ever
 WAIT_BEFORE_CLOSE_US = 200_000  # a reader that takes nothing for so long is cut off; others never wait for it
 WAIT_BEFORE_DROP_US = 50_000  # a burst waits for its turn; what does not get it in time is dropped, and repaired later
-MAX_PAYLOAD_BYTES = 16_000_000  # of one message to the keeper; larger ones hold up a link for too long to be of use
+MAX_PAYLOAD_BYTES = MAX_MESSAGE_BYTES
 MAX_ANSWER_BYTES = 400_000_000  # what a client takes from the keeper: the whole board in one answer
 BOARD_KEYS = (*READABLE, "ski/*/@late/**")
 

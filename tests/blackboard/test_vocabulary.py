@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from blackboard.errors import BoardError, MessageError
 from blackboard.kinds import GRID, LASER_SCAN, LINE, ODOMETRY, SONAR_SCAN, Kind, collection, slot
+from blackboard.messages.base import Message
 from blackboard.messages.geometry import PackedArray, Pose, pack_array
 from blackboard.messages.sensing import MAX_SONARS, LaserScan, Odometry, SonarScan
 from blackboard.messages.world import TILE_CELLS, GridTile
@@ -157,3 +158,16 @@ def test_kinds() -> None:
 def test_each_kind_is_declared_once() -> None:
     paths = [kind.path for kind in core_kinds()]
     assert len(paths) == len(set(paths)) > 15
+
+
+class Notes(Message, frozen=True, kw_only=True):
+    """Words without a limit of their own."""
+
+    texts: tuple[str, ...]
+
+
+def test_a_value_too_large_for_a_link_is_refused_where_it_is_posted() -> None:
+    kind = slot("hypotheses/symbol/notes", Notes, "notes")
+    checked(kind, "ski/r/notes", Notes(texts=("x" * 1_000_000,) * 9))
+    with pytest.raises(MessageError, match="the limit is 10000000; post it in parts"):
+        checked(kind, "ski/r/notes", Notes(texts=("x" * 1_000_000,) * 11))
