@@ -53,6 +53,7 @@ class _Header(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     identity: Name
     boot: Name
     now_s: Seconds
+    run_s: Seconds | None  # when the mission's clock was 0: tells a run from another
     sha256: str
     parts: tuple[_Part, ...]
 
@@ -102,9 +103,10 @@ class Checkpointer:
         """Say whether the next one should be written."""
         return self._written_s is None or now_s - self._written_s >= self._every_s - 1e-9
 
-    def write(self, now_s: float, states: Mapping[str, object]) -> dict[str, str]:
-        """Write a checkpoint. Return which components' states could not be kept, and why: each once, however often that is so.
+    def write(self, now_s: float, states: Mapping[str, object], run_s: float | None = None) -> dict[str, str]:
+        """Write a checkpoint of the run that began at `run_s`.
 
+        Return which components' states could not be kept, and why: each once, however often that is so.
         Raises CheckpointError where the file cannot be written; the one before it stays.
         """
         self._written_s = now_s
@@ -122,6 +124,7 @@ class Checkpointer:
             identity=self._identity,
             boot=self._boot,
             now_s=now_s,
+            run_s=run_s,
             sha256=hashlib.sha256(body).hexdigest(),
             parts=tuple(parts),
         )
@@ -150,11 +153,12 @@ class Checkpointer:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A checkpoint as it was read: when, by which boot, and each component's state, still pickled."""
+    """A checkpoint as it was read: when, of which run, by which boot, and each component's state, still pickled."""
 
     path: Path
     boot: str
     now_s: float
+    run_s: float | None
     pickled: Mapping[str, bytes]
     lost: Mapping[str, str]
 
@@ -213,7 +217,7 @@ def read_checkpoint(path: Path, identity: str) -> Checkpoint | None:
             pickled[part.name] = body[at : at + part.size]
         at += part.size
     lost = {part.name: part.lost for part in header.parts if part.lost}
-    return Checkpoint(path, header.boot, header.now_s, pickled, lost)
+    return Checkpoint(path, header.boot, header.now_s, header.run_s, pickled, lost)
 
 
 def _read(path: Path) -> bytes | None:

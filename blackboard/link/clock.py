@@ -49,12 +49,14 @@ class MissionClock:
         self._measured: deque[Measurement] = deque(maxlen=KEPT)
         self._pace = 1.0
         self._now_s = float("-inf")
+        self.began_wall_s: float | None = None  # when it was 0, by the keeper's wall clock: each run has another
 
     def measured(self, asked_s: float, came_s: float, wall_s: float, answer: ClockAnswer) -> None:
         """Take in an answer: asked and come by the monotonic clock, and this host's wall clock when it came."""
         middle_s = 0.5 * (asked_s + came_s)
         if answer.now_s is None:
             return
+        self.began_wall_s = answer.wall_s - answer.now_s / answer.pace
         if answer.pace != self._pace:
             self._measured.clear()
             self._pace = answer.pace

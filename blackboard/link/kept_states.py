@@ -5,21 +5,26 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from blackboard.board import Board
-from blackboard.checkpoint import SUFFIX, Checkpointer, mission_identity, packages_of, read_checkpoint
+from blackboard.checkpoint import SUFFIX, Checkpoint, Checkpointer, mission_identity, packages_of, read_checkpoint
 from blackboard.errors import CheckpointError
+from blackboard.link.clock import MissionClock
 from blackboard.link.robot_stage import RobotStage
 from blackboard.link.stages import Stages
 from blackboard.mission import Mission
 from blackboard.resumption import show_anew
 
+SAME_RUN_S = 0.1  # the keeper tells when the clock began to the microsecond, after a restart too
 EVERY_S = 1.0  # on the mission's clock
 
 
 class KeptStates:
     """What the components of one host must remember, in `folder`; without one nothing is kept."""
 
-    def __init__(self, folder: Path | None, mission: Mission, seed: int, boot: str, board: Board) -> None:
+    def __init__(
+        self, folder: Path | None, mission: Mission, seed: int, boot: str, board: Board, clock: MissionClock
+    ) -> None:
         self._board = board
+        self._clock = clock
         self._identity = identity = mission_identity(mission, seed)
         self._packages = packages_of(mission)
         self._paths: dict[str, Path] = {}
@@ -36,6 +41,8 @@ class KeptStates:
         for path in self._paths.values():
             try:
                 checkpoint = read_checkpoint(path, self._identity)
+                if checkpoint is not None and not self._is_of_this_run(checkpoint):
+                    raise CheckpointError(f"{path}: of another run of this mission; its components begin anew")
             except CheckpointError as error:
                 sys.stderr.write(f"ski: {error}\n")
                 continue
@@ -45,6 +52,10 @@ class KeptStates:
                 for name, why in lost.items():
                     sys.stderr.write(f"ski: {name} begins anew: {why}\n")
         return states
+
+    def _is_of_this_run(self, checkpoint: Checkpoint) -> bool:
+        began_s = self._clock.began_wall_s
+        return began_s is not None and checkpoint.run_s is not None and abs(checkpoint.run_s - began_s) < SAME_RUN_S
 
     def keep_robot(self, now_s: float, robot: RobotStage) -> None:
         """Write down where the robot and its world stand."""
@@ -61,7 +72,7 @@ class KeptStates:
     def _write(self, writer: Checkpointer, now_s: float, states: Mapping[str, object]) -> None:
         """Write, and say what cannot be kept; a full disk stops nobody, and is said once."""
         try:
-            for name, why in writer.write(now_s, states).items():
+            for name, why in writer.write(now_s, states, self._clock.began_wall_s).items():
                 show_anew(self._board, name, why)
         except CheckpointError as error:
             if str(error) not in self._said:

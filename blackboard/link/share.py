@@ -39,7 +39,9 @@ class Share:
             queue=queue,
         )
         self.stages = Stages(self.replica.board, assembly, plan, strict=strict)
-        self._kept = KeptStates(state, assembly.mission, seed, self.replica.boot, self.replica.board)
+        self._kept = KeptStates(
+            state, assembly.mission, seed, self.replica.boot, self.replica.board, self.replica.clock
+        )
 
     def join(self, pace: float, begin_s: float | None = None, *, timeout_s: float) -> None:
         """Join the board, and go on from what was kept; raise LinkError where no keeper answers within `timeout_s`.
