@@ -17,7 +17,7 @@ from blackboard.processes.protocol import AGENTS, AgentReport, decode
 
 LOOK_S = 1.0
 AGAIN_S = 0.02
-TOKENS_S = 0.3  # all that there are come at once
+FIRST_S, NEXT_S = 1.0, 0.2  # for the tokens of executors: all that there are come at once
 ANSWER_S = 3.0
 
 
@@ -92,10 +92,10 @@ def agents_at(session: Session) -> list[AgentReport]:
     """Return how the executors that a keeper reaches fare; each is asked by its own name, the only one that it may answer to."""
     shown: SimpleQueue[str] = SimpleQueue()
     session.watch(f"{AGENTS}/*/alive/*", lambda key, alive: shown.put(key) if alive else None)
-    machines = set()
+    machines: set[str] = set()
     with suppress(Empty):
         while True:
-            machines.add(shown.get(timeout=TOKENS_S).split("/")[2])
+            machines.add(shown.get(timeout=NEXT_S if machines else FIRST_S).split("/")[2])
     return [report for machine in sorted(machines) for report in agent_at(session, machine)]
 
 
