@@ -16,20 +16,16 @@ import msgspec
 
 from blackboard.board import Board
 from blackboard.entry import Entry
-from blackboard.errors import BoardError, LinkError, MessageError
+from blackboard.errors import BoardError, MessageError
 from blackboard.history import HistoryParams
-from blackboard.journal import JournalLine, line_of
-from blackboard.kinds import Kind
+from blackboard.journal import JournalLine
 from blackboard.link import addresses
 from blackboard.link.clock import MEASURE_EVERY_S, ClockAnswer, ClockQuestion, MissionClock
 from blackboard.link.envelope import (
     Envelope,
     KeeperBeat,
     LostQuestion,
-    Origin,
     Snapshot,
-    attachment_of,
-    join_batch,
     read_entry,
     read_origin,
     read_payload,
@@ -39,16 +35,11 @@ from blackboard.link.envelope import (
 )
 from blackboard.link.inbox import Inbox
 from blackboard.link.lanes import LANES, Lane, lane_of, lane_of_place
-from blackboard.link.outbox import Outbox
+from blackboard.link.sender import Sender
 from blackboard.link.session import Answer, Arrived, Session
 from blackboard.messages.hosts import HostBeat
 from blackboard.vocabulary import Vocabulary
 
-WINDOW = 2000  # envelopes of a lane sent at once without an acknowledgement; more goes to the keeper in batches
-LATE_AFTER_S = 0.5  # two and a half of the keeper's beats: what is not acknowledged by then was dropped on the way
-LATE_BYTES = 1_000_000  # of one batch
-LATE_ANSWER_S = 5.0
-NOT_TAKEN = 10  # batches in a row without an answer from a keeper that is there
 JOIN_S = 10.0  # a keeper that restarts is back long before
 
 Item = Callable[[], None]  # what came, ready to be handled on the loop
@@ -75,7 +66,6 @@ class Replica:
         Replicas of several boards in one process share a `queue`, so that one loop can wait for all of them.
         """
         self.board = Board(vocabulary, robot=robot, history=history)
-        self.board.outgoing = self._send
         self.clock = MissionClock()
         self.queue: SimpleQueue[Item] = queue if queue is not None else SimpleQueue()
         self.host = host
@@ -84,18 +74,9 @@ class Replica:
         self._session = session
         self._robot = robot
         self._inbox = Inbox(host, lanes, newest)
-        self._outbox = Outbox(state / "outbox" if state is not None else None)
-        self._numbers: dict[Lane, int] = dict.fromkeys(LANES, 0)
-        self._acknowledged: dict[Lane, int] = dict.fromkeys(LANES, 0)
-        self._sent_s: dict[Lane, float] = dict.fromkeys(LANES, 0.0)  # when the oldest unacknowledged may have been lost
-        self._unsent: dict[Lane, int] = dict.fromkeys(LANES, 0)  # the last number that was not sent at once
-        self._handed: dict[Lane, int] = dict.fromkeys(LANES, 0)  # handed in up to here, acknowledged or not
-        self._not_taken = 0  # batches handed in that a keeper which is there did not answer, one for a beat of its
-        self._not_taken_s = float("-inf")
-        self._late_underway = 0  # batches whose answer has not come
-        self._lanes: dict[str, Lane] = {}
+        self._sender = Sender(session, robot, host, self.boot, state, self.queue.put, self._take_beat)
+        self.board.outgoing = self._sender.send
         self._measured_s = float("-inf")
-        self.keeper_heard_s = float("-inf")  # by the monotonic clock
 
     # Joining
 
@@ -105,16 +86,16 @@ class Replica:
         The robot's host begins the clock at `begin_s`. Raises LinkError where no keeper answers within `timeout_s`.
         """
         end_s = time.monotonic() + timeout_s
-        self._hand_in_left(end_s)
+        self._sender.hand_in_left(end_s)
         self._session.subscribe(addresses.keeper(self._robot, "beat"), self._sink(self._keeper_beat))
         self._session.subscribe(addresses.entries(self._robot), self._sink(self._arrived))
-        text = self._must_answer(addresses.keeper(self._robot, "snapshot"), b"", end_s)
+        text = self._session.must_answer(addresses.keeper(self._robot, "snapshot"), b"", end_s)
         self._load(text, tell=False)
         what = "clock" if begin_s is None else "begin"
         question = msgspec.json.encode(ClockQuestion(begin=begin_s, pace=pace))
         for _ in range(3):
             asked_s = time.monotonic()
-            payload = self._must_answer(addresses.keeper(self._robot, what), question, end_s)
+            payload = self._session.must_answer(addresses.keeper(self._robot, what), question, end_s)
             self.clock.measured(asked_s, time.monotonic(), time.time(), read_told(payload, ClockAnswer))
         self._session.announce(addresses.host_alive(self._robot, self.host, self.boot))
 
@@ -133,8 +114,7 @@ class Replica:
             self._ask_lost(question)
         for envelope in self._inbox.overdue(now_s):
             self._deliver(envelope)
-        if not self._late_underway:
-            self._hand_in()
+        self._sender.hand_in()
         if not self.clock.running or now_s - self._measured_s >= MEASURE_EVERY_S:
             self._measured_s = now_s
             self._measure()
@@ -148,7 +128,7 @@ class Replica:
             machine=machine,
             version=version,
             components=tuple(components),
-            lanes={lane: number for lane, number in self._numbers.items() if number},
+            lanes={lane: number for lane, number in self._sender.numbers.items() if number},
             offset_s=self.clock.best.wall_offset_s if running else 0.0,
             round_trip_s=self.clock.best.round_trip_s if running else 0.0,
             missed=self._inbox.skipped,
@@ -159,99 +139,22 @@ class Replica:
     @property
     def trouble(self) -> str:
         """What a person must do something about; empty where all is well."""
-        if self._outbox.trouble:
-            return f"what is posted is kept in memory only, its disk takes nothing ({self._outbox.trouble}); free some space"
-        if self._outbox.dropped:
-            return "the keeper takes too little of what is posted: the oldest is lost"
-        if self._not_taken >= NOT_TAKEN:
-            return "the keeper is there and does not take what is posted; may this member's role post it? See `ski board status`"
-        return ""
+        return self._sender.trouble
+
+    @property
+    def keeper_heard_s(self) -> float:
+        """When the keeper was last heard, by the monotonic clock."""
+        return self._sender.keeper_heard_s
 
     @property
     def unacknowledged(self) -> int:
         """How many envelopes the keeper has not acknowledged."""
-        return len(self._outbox)
+        return len(self._sender)
 
     def close(self) -> None:
         """Let go of the outbox; what is not acknowledged stays on disk for the next boot."""
         self.board.outgoing = None
-        self._outbox.close()
-
-    # Sending
-
-    def _send(self, kind: Kind[Any], entry: Entry[Any], raw: bytes) -> None:
-        lane = self._lanes.get(kind.path)
-        if lane is None:
-            lane = self._lanes[kind.path] = lane_of(kind)
-        number = self._numbers[lane] = self._numbers[lane] + 1
-        origin = Origin(self.host, self.boot, lane, number)
-        payload = line_of(entry, raw)
-        if not self._outbox.waiting(lane):
-            self._sent_s[lane] = time.monotonic()
-        self._outbox.add(Envelope(origin, payload))
-        if number - self._acknowledged[lane] <= WINDOW or lane in ("command", "signal"):
-            self._session.put(entry.key, payload, attachment_of(origin), lane)
-        else:
-            self._unsent[lane] = number
-            if not self._late_underway:
-                self._hand_in()
-
-    def _overdue(self, lane: Lane, now_s: float) -> bool:
-        """Say whether what is not acknowledged of a lane must have been lost on the way."""
-        return bool(self._outbox.waiting(lane)) and now_s - self._sent_s[lane] > LATE_AFTER_S
-
-    def _hand_in(self) -> None:
-        """Hand what was not sent, or was lost on the way, to the keeper: a batch for each place of the first lane that has some."""
-        now_s = time.monotonic()
-        for lane in LANES:
-            if self._overdue(lane, now_s):
-                self._sent_s[lane] = now_s
-                self._handed[lane] = self._acknowledged[lane]
-            elif self._handed[lane] >= self._unsent[lane]:
-                continue
-            batches: dict[str, list[Envelope]] = {}
-            size = 0
-            for envelope in self._outbox.after(lane, self._handed[lane]):
-                batches.setdefault(_place_of(envelope.payload), []).append(envelope)
-                self._handed[lane] = envelope.origin.number
-                size += len(envelope.payload)
-                if size >= LATE_BYTES:
-                    break
-            for place, batch in batches.items():
-                self._late_underway += 1
-                key = addresses.late(self._robot, place)
-                self._session.ask_later(key, join_batch(batch), self._later(self._handed_in), LATE_ANSWER_S)
-            if batches:
-                return
-
-    def _handed_in(self, answers: Sequence[Answer]) -> None:
-        self._late_underway -= 1
-        for answer in answers:
-            if not answer.error:
-                self._take_beat(answer.payload)
-        if any(not answer.error for answer in answers):
-            self._not_taken = 0
-        elif self.keeper_heard_s > self._not_taken_s:  # heard of since the last one: it has not just died
-            self._not_taken_s = self.keeper_heard_s
-            self._not_taken += 1
-        if not self._late_underway and any(self._handed[lane] < self._unsent[lane] for lane in LANES):
-            self._hand_in()
-
-    def _hand_in_left(self, end_s: float) -> None:
-        left: dict[str, list[Envelope]] = {}
-        for envelope in self._outbox.left:
-            left.setdefault(_place_of(envelope.payload), []).append(envelope)
-        for place, envelopes in left.items():
-            batch, size = list[Envelope](), 0
-            for envelope in envelopes:
-                batch.append(envelope)
-                size += len(envelope.payload)
-                if size >= LATE_BYTES:
-                    self._must_answer(addresses.late(self._robot, place), join_batch(batch), end_s)
-                    batch, size = [], 0
-            if batch:
-                self._must_answer(addresses.late(self._robot, place), join_batch(batch), end_s)
-        self._outbox.acknowledge_left()
+        self._sender.close()
 
     # What comes: sinks on zenoh's threads only queue
 
@@ -320,12 +223,7 @@ class Replica:
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
             self._refuse("beat", error)
             return
-        self.keeper_heard_s = now_s = time.monotonic()
-        for lane, number in beat.lanes.get(self.host, {}).get(self.boot, {}).items():
-            if lane in LANES and number > self._acknowledged[lane]:
-                self._acknowledged[lane] = min(number, self._numbers[lane])
-                self._outbox.acknowledge(lane, number)
-                self._sent_s[lane] = now_s
+        self._sender.acknowledged(beat.lanes.get(self.host, {}).get(self.boot, {}))
         self._inbox.told(beat.lanes)
 
     def _ask_lost(self, question: LostQuestion) -> None:
@@ -390,17 +288,3 @@ class Replica:
                     self.clock.measured(asked_s, came[0][0], came[0][1], clock)
 
         self._session.ask_later(addresses.keeper(self._robot, "clock"), b"{}", sink)
-
-    def _must_answer(self, key: str, payload: bytes, end_s: float) -> bytes:
-        while True:
-            for answer in self._session.ask(key, payload, timeout_s=max(0.1, min(2.0, end_s - time.monotonic()))):
-                if not answer.error:
-                    return answer.payload
-                raise LinkError(f"the keeper refused {key}: {answer.error}")
-            if time.monotonic() >= end_s:
-                raise LinkError(f"no keeper answers for the board of '{self._robot}'; start one with `ski board serve`")
-
-
-def _place_of(payload: bytes) -> str:
-    """Return the place of an entry's payload, whose key stands first in it."""
-    return addresses.place_of(payload.split(b'"', 4)[3].decode("ascii", "replace"))

@@ -5,6 +5,7 @@ Sinks are called on zenoh's own threads and must only take note (put on a queue)
 """
 
 import json
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -129,6 +130,17 @@ class Session:
         """Return all answers to a question, none where nobody answers in time. Not for loops that must not wait."""
         replies = self._session.get(expression, **self._asking(payload, timeout_s))
         return [_answer(reply) for reply in replies]
+
+    def must_answer(self, key: str, payload: bytes, end_s: float) -> bytes:
+        """Ask again and again until somebody answers; raise LinkError where nobody has by `end_s` (monotonic), or was refused."""
+        while True:
+            for answer in self.ask(key, payload, timeout_s=max(0.1, min(2.0, end_s - time.monotonic()))):
+                if not answer.error:
+                    return answer.payload
+                raise LinkError(f"the keeper refused {key}: {answer.error}")
+            if time.monotonic() >= end_s:
+                robot = key.split("/")[1]
+                raise LinkError(f"no keeper answers for the board of '{robot}'; start one with `ski board serve`")
 
     def ask_later(
         self, expression: str, payload: bytes, sink: Callable[[Sequence[Answer]], None], timeout_s: float = 5.0

@@ -10,7 +10,7 @@ from blackboard.entry import Entry
 from blackboard.errors import LinkError
 from blackboard.keeper.service import Keeper
 from blackboard.kinds import BATTERY, TARGET, VELOCITY
-from blackboard.link import replica as module
+from blackboard.link import sender as module
 from blackboard.link.replica import Replica
 from blackboard.link.session import LinkParams, open_session
 from blackboard.messages.geometry import Point
