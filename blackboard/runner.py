@@ -4,7 +4,6 @@ Each cycle: readings arrive, reflexes answer, the control module spends its budg
 The same mission, seed and readings give the same board, byte for byte.
 """
 
-from array import array
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -18,13 +17,13 @@ from blackboard.board import Board
 from blackboard.component import Robot
 from blackboard.control import Control
 from blackboard.entry import Entry
-from blackboard.kinds import MAP_FROM_ODOM, MISSION, ODOM_FROM_ROBOT, ROBOT
-from blackboard.messages.geometry import IDENTITY, Pose
+from blackboard.kinds import MISSION, ROBOT
 from blackboard.mission import Mission
 from blackboard.planning import Planning
 from blackboard.reflexes import Reflexes
 from blackboard.resumption import resume, state_of
 from blackboard.safety_watch import SafetyWatch
+from blackboard.track import Track, believed_track
 
 Progress = Callable[[float, float], None]  # elapsed and total seconds on the mission's clock
 
@@ -65,8 +64,7 @@ class Run:
         self.planning: Planning | None = None
         if assembly.planner is not None:
             self.planning = Planning(self.board, assembly.planner, assembly.parts(), strict=options.strict)
-        self._track = Track()
-        self.board.subscribe(self.board.key(ODOM_FROM_ROBOT), self._note_pose)
+        self._track = believed_track(self.board)
         self._truth = Track()
         self._cycle = 0
 
@@ -150,26 +148,3 @@ class Run:
     def true_trajectory(self) -> npt.NDArray[np.float64] | None:
         """Return where it really was, likewise; None where nobody knows."""
         return self._truth.rows() if len(self._truth) else None
-
-    def _note_pose(self, entry: Entry[Pose]) -> None:
-        correction = self.board.newest(MAP_FROM_ODOM)
-        map_from_odom = correction.value if correction is not None else IDENTITY
-        self._track.add(entry.stamp_s, map_from_odom @ entry.value)
-
-
-class Track:
-    """A growing list of stamped poses, 32 bytes each."""
-
-    def __init__(self) -> None:
-        self._numbers = array("d")
-
-    def add(self, stamp_s: float, pose: Pose) -> None:
-        """Append a pose."""
-        self._numbers.extend((stamp_s, pose.x_m, pose.y_m, pose.heading_rad))
-
-    def rows(self) -> npt.NDArray[np.float64]:
-        """Return (n, 4) stamp_s, x_m, y_m, heading_rad."""
-        return np.array(self._numbers, dtype=np.float64).reshape(-1, 4)
-
-    def __len__(self) -> int:
-        return len(self._numbers) // 4

@@ -9,14 +9,13 @@ import numpy.typing as npt
 from blackboard.assembly import Assembly
 from blackboard.board import Board
 from blackboard.component import WorldTruth
-from blackboard.entry import Entry
 from blackboard.errors import BoardError, MessageError
 from blackboard.journal import read_journal
-from blackboard.kinds import MAP_FROM_ODOM, ODOM_FROM_ROBOT, ROBOT_SUMMARY, TRUE_POSE
+from blackboard.kinds import ROBOT_SUMMARY, TRUE_POSE
 from blackboard.link.envelope import read_entry
-from blackboard.messages.geometry import IDENTITY, Pose
 from blackboard.messages.sensing import RobotDescription
-from blackboard.runner import Progress, Track
+from blackboard.runner import Progress
+from blackboard.track import Track, believed_track
 
 TELL_S = 5.0  # of the mission's clock between two words of progress
 
@@ -60,8 +59,7 @@ class ReplayedRun:
         self.board = Board(assembly.vocabulary, robot=assembly.robot.description.name, history=assembly.mission.history)
         self.robot = ReplayedRobot(assembly, self.board)
         self.passed_over = 0  # lines that no kind of this mission fits
-        self._track, self._truth = Track(), Track()
-        self.board.subscribe(self.board.key(ODOM_FROM_ROBOT), self._note_pose)
+        self._track, self._truth = believed_track(self.board), Track()
         self.board.subscribe(self.board.key(TRUE_POSE), lambda entry: self._truth.add(entry.stamp_s, entry.value))
 
     def read(self, journal: Path, progress: Progress | None = None) -> None:
@@ -91,8 +89,3 @@ class ReplayedRun:
     def true_trajectory(self) -> npt.NDArray[np.float64] | None:
         """Return where it really was, likewise; None where nobody knows."""
         return self._truth.rows() if len(self._truth) else None
-
-    def _note_pose(self, entry: Entry[Pose]) -> None:
-        correction = self.board.newest(MAP_FROM_ODOM)
-        map_from_odom = correction.value if correction is not None else IDENTITY
-        self._track.add(entry.stamp_s, map_from_odom @ entry.value)

@@ -15,7 +15,8 @@ from blackboard.messages.geometry import Pose
 from blackboard.messages.model import PoseEstimate
 from blackboard.report.pose_scores import nees, pose_errors
 from blackboard.report.result import Trajectory
-from blackboard.runner import Run, Track
+from blackboard.runner import Run
+from blackboard.track import Track
 
 
 class PoseLog:
