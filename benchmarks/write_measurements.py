@@ -150,6 +150,8 @@ BENCHMARKS = (
         "Beside bare zenoh, which checks, journals and repairs nothing; a process for each poster and reader.",
         ("keeper.py",),
     ),
+    ("From a post to an activation", "In another process, through a router of its own.", ("link_latency.py",)),
+    ("Up and down", "", ("up_and_down.py",)),
     (
         "Across processes",
         "Exploring the lab in one process, in lock-step, and in five, in real time.",
