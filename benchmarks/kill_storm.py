@@ -61,7 +61,7 @@ def main() -> None:
             processes = at_work(options.mission, options.pace, folder, up=False)
             report, kills = storm(processes, drawn, options.every, options.for_s)
         reports.append(report)
-        print(row(f"{kills} processes", None, report, 0.0), flush=True)
+        print(row(f"{kills} processes", None, report, None), flush=True)
     raise SystemExit(0 if all(good(report) for report in reports) else 1)
 
 

@@ -27,14 +27,15 @@ HEAD = (
 )
 
 
-def row(name: str, at_s: float | None, report: Report, plain_s: float) -> str:
+def row(name: str, at_s: float | None, report: Report, plain_s: float | None) -> str:
     """Return one line of the table."""
     outcome, account = report.outcome, report.account
     when = f"{at_s:7.0f}" if at_s is not None else "      -"
+    later = f"{outcome.time_s - plain_s:10.1f}" if plain_s is not None else f"{'-':>10}"
     failed = f"  failed: {', '.join(outcome.failed)}" if outcome.failed else ""
     boots = sum(account.boots.values())
     return (
-        f"{name:17}{when}  {outcome.state:9}{outcome.time_s:8.1f}{outcome.time_s - plain_s:10.1f}"
+        f"{name:17}{when}  {outcome.state:9}{outcome.time_s:8.1f}{later}"
         f"{100 * outcome.aligned_fraction:12.1f}{outcome.error_max_m:14.2f}{outcome.collisions:12} |"
         f"{account.posted:9}{account.lost:6}{account.twice:7}{account.refused:9}{account.in_outboxes:9}{account.missed:8}{boots:7}{failed}"
     )
