@@ -18,11 +18,10 @@ from blackboard.key_expressions import check_expression, is_chunk, matches
 from blackboard.kinds import Kind
 from blackboard.link.merge import life_of, merged, retracted_s
 from blackboard.messages.base import Message
-from blackboard.uncertainty.endorsements import standing as still_standing
+from blackboard.revisions import Area, next_revision, within, without_oldest
 from blackboard.vocabulary import Vocabulary, checked
 
 M = TypeVar("M", bound=Message)
-Area = tuple[float, float, float, float]
 Watcher = Callable[[Entry[Any]], None]
 Journal = Callable[[Entry[Any], bytes], None]
 Outgoing = Callable[[Kind[Any], Entry[Any], bytes], None]
@@ -96,7 +95,7 @@ class Board:
             found = [entry] if entry is not None else []
         else:
             found = [self._standing[key] for key in self._members.get(kind.path, {}).values()]
-        return [e for e in found if _within(e, area, since_s, until_s)]
+        return [e for e in found if within(e, area, since_s, until_s)]
 
     def ids(self, kind: Kind[Any]) -> list[str]:
         """Return the ids of a collection that stand, and those that stood before as far as they are remembered."""
@@ -125,7 +124,7 @@ class Board:
                 and matches(expression, key)
             ):
                 entry = self._standing[key]
-                if _within(entry, area, since_s, until_s):
+                if within(entry, area, since_s, until_s):
                     found.append(entry)
         return found
 
@@ -202,7 +201,7 @@ class Board:
         if self._owners[key] != source:
             raise BoardError(f"{key} belongs to {self._owners[key]}; {source} may endorse it, not retract it")
         self._remove(kind, key, id)
-        entry = _next(standing, event="retracted", stamp_s=max(self.now_s, standing.stamp_s), source=source)
+        entry = next_revision(standing, event="retracted", stamp_s=max(self.now_s, standing.stamp_s), source=source)
         self._publish(kind, entry, checked(kind, key, entry.value)[1])
         self._watching.pop(key, None)
         if self.outgoing is not None:
@@ -217,9 +216,9 @@ class Board:
             raise BoardError(f"{key}: nothing stands there to be endorsed")
         stamp = max(self.now_s, standing.stamp_s)
         if len(standing.endorsements) >= MAX_ENDORSEMENTS:
-            standing = replace(standing, endorsements=_without_oldest(standing.endorsements))
+            standing = replace(standing, endorsements=without_oldest(standing.endorsements))
         said = Endorsement(who=who, verdict=verdict, why=why, stamp_s=stamp, about=about, strength=strength)
-        entry = _next(standing, event="revised", stamp_s=stamp, source=standing.source, added=(said,))
+        entry = next_revision(standing, event="revised", stamp_s=stamp, source=standing.source, added=(said,))
         self._standing[key] = entry
         kind = self.vocabulary.parse_key(key)[1]
         self._publish(kind, entry, checked(kind, key, entry.value)[1])
@@ -312,38 +311,3 @@ class Board:
             if owner != source:
                 raise BoardError(f"'{kind.path}' belongs to {owner}; {source} may not post it")
         self._owners[key] = source
-
-
-def _within(entry: Entry[Any], area: Area | None, since_s: float | None, until_s: float | None) -> bool:
-    if (since_s is not None and entry.stamp_s < since_s) or (until_s is not None and entry.stamp_s > until_s):
-        return False
-    if area is None:
-        return True
-    extent = entry.value.extent()
-    return extent is not None and (
-        extent[0] <= area[2] and extent[2] >= area[0] and extent[1] <= area[3] and extent[3] >= area[1]
-    )
-
-
-def _without_oldest(endorsements: tuple[Endorsement, ...]) -> tuple[Endorsement, ...]:
-    """Return all but the oldest that does not stand any more; the record still has it."""
-    stands = still_standing(endorsements)
-    oldest = next((i for i, e in enumerate(endorsements) if e not in stands), 0)
-    return endorsements[:oldest] + endorsements[oldest + 1 :]
-
-
-def _next(
-    entry: Entry[Any], *, event: Event, stamp_s: float, source: str, added: tuple[Endorsement, ...] = ()
-) -> Entry[Any]:
-    return Entry(
-        key=entry.key,
-        id=entry.id,
-        revision=entry.revision + 1,
-        event=event,
-        stamp_s=stamp_s,
-        source=source,
-        value=entry.value,
-        supports=entry.supports,
-        endorsements=entry.endorsements + added,
-        value_from=(entry.value_from or (entry.revision, entry.stamp_s)) if added else None,
-    )
