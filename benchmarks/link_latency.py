@@ -90,6 +90,7 @@ def _listen_bare(pipe: Connection, session: Session) -> list[float]:
 
 
 def _listen_as_host(pipe: Connection, session: Session) -> list[float]:
+    sys.setswitchinterval(0.0005)  # as `ski host` does
     replica = Replica(session, Vocabulary(), "bench", "listener")
     replica.join()
     looker = Looker()
