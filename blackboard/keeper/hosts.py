@@ -44,6 +44,7 @@ class HostWatch:
         self._hung_s = hung_s
         self._starting_s = starting_s
         self._hosts: dict[str, Host] = {}
+        self._looked_s = float("inf")
 
     def takes(self, host: str) -> bool:
         """Say whether a host is known, or one more can be."""
@@ -74,7 +75,11 @@ class HostWatch:
         self._hosts[host].told = status
 
     def changes(self, now_s: float) -> Iterator[tuple[str, HostStatus]]:
-        """Yield what is to be told anew, and take it as told."""
+        """Yield what is to be told anew, and take it as told. Who looks after a long absence of its own blames nobody for it."""
+        away_s, self._looked_s = now_s - self._looked_s, now_s
+        if away_s > self._hung_s:
+            for _, boot in self.boots():
+                boot.heard_s += away_s
         twice = self._components_twice()
         for name, host in self._hosts.items():
             status = self._status(host, twice, now_s)

@@ -43,7 +43,8 @@ def test_a_host_without_beats_hangs_until_it_beats_again():
 def test_one_that_is_still_loading_does_not_hang_yet():
     watch = HostWatch(1.0, 10.0)
     watch.linked("map", "b1", True, 0.0)
-    assert states(watch, 9.0) == {"map": "alive"}
+    assert states(watch, 0.5) == {"map": "alive"}
+    assert [states(watch, 0.5 * half) for half in range(2, 21)] == [{}] * 19
     assert states(watch, 10.5) == {"map": "hung"}
 
 
@@ -101,3 +102,10 @@ def test_a_machine_whose_clock_is_off_is_told_by_how_much():
     watch.beat("map", beat(offset_s=-1.25), 0.2)
     ((_, status),) = watch.changes(0.2)
     assert status.detail == "its clock is 1.2 s behind the keeper's; set it by NTP"
+
+
+def test_a_keeper_that_was_stopped_blames_nobody_for_it():
+    watch = watched()
+    assert states(watch, 11.0) == {}
+    assert states(watch, 11.9) == {}
+    assert states(watch, 12.1) == {"map": "hung"}
