@@ -18,6 +18,10 @@ from typing import Self
 
 from ledger import Ledger
 
+from blackboard.assembly import assemble
+from blackboard.mission import find_mission, load_mission
+from blackboard.placement import placement
+
 CHECKOUT = Path(__file__).resolve().parent.parent
 KEEPER = "keeper"
 HOSTS = ("robot", "behaviours", "knowledge_sources", "rules")
@@ -29,6 +33,14 @@ def free_port() -> int:
     with socket.socket() as asked:
         asked.bind(("127.0.0.1", 0))
         return int(asked.getsockname()[1])
+
+
+def parts_of(mission: str) -> tuple[str, tuple[str, ...]]:
+    """Return the name of a mission's robot, and its hosts."""
+    loaded = load_mission(find_mission(mission))
+    robot = assemble(loaded).robot
+    robot.close()
+    return robot.description.name, tuple(plan.name for plan in placement(loaded))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ import argparse
 import tempfile
 from pathlib import Path
 
-from deployment import Deployment, Processes, free_port
+from deployment import Deployment, Processes, free_port, parts_of
 from exploring import Outcome as Embedded
 from exploring import explore
 from trial import Report, run_to_end
@@ -49,8 +49,10 @@ def row(seed: int, report: Report) -> str:
 
 def run(mission: str, pace: float, seed: int, folder: Path) -> Report:
     """Run a mission in five processes."""
+    robot, hosts = parts_of(mission)
+    address = f"tcp/127.0.0.1:{free_port()}"
     deployment = Deployment(
-        folder=folder, address=f"tcp/127.0.0.1:{free_port()}", mission=mission, pace=pace, seed=seed
+        folder=folder, address=address, mission=mission, robot=robot, hosts=hosts, pace=pace, seed=seed
     )
     with Processes(deployment) as processes:
         return run_to_end(processes, limit_s=LIMIT_S)

@@ -15,7 +15,7 @@ import tempfile
 from pathlib import Path
 from statistics import median
 
-from deployment import HOSTS, KEEPER, Deployment, Processes, free_port
+from deployment import HOSTS, KEEPER, Deployment, Processes, free_port, parts_of
 from managed import ManagedDeployment, ManagedProcesses
 from trial import Report, run_to_end
 
@@ -43,10 +43,11 @@ def row(name: str, at_s: float | None, report: Report, plain_s: float | None) ->
 
 def at_work(mission: str, pace: float, folder: Path, up: bool) -> Processes:
     """Return the processes of a mission, those of `ski up` or our own."""
+    robot, hosts = parts_of(mission)
+    make = ManagedDeployment if up else Deployment
     address = f"tcp/127.0.0.1:{free_port()}"
-    if up:
-        return ManagedProcesses(ManagedDeployment(folder=folder, address=address, mission=mission, pace=pace))
-    return Processes(Deployment(folder=folder, address=address, mission=mission, pace=pace))
+    deployment = make(folder=folder, address=address, mission=mission, robot=robot, hosts=hosts, pace=pace)
+    return ManagedProcesses(deployment) if isinstance(deployment, ManagedDeployment) else Processes(deployment)
 
 
 def run(processes: Processes, name: str | None, at_s: float) -> Report:
