@@ -144,7 +144,7 @@ def way_s(host: bool, port: int, posts: int) -> "np.ndarray[Any, Any]":
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("--posts", type=int, default=500, help="of one round")
+    parser.add_argument("--posts", type=int, default=1000, help="of one round")
     parser.add_argument("--port", type=int, default=7812)
     parser.add_argument("--keeper", action="store_true", help="with the keeper itself instead of a bare router")
     options = parser.parse_args()
