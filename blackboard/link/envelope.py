@@ -183,10 +183,3 @@ def robot_of(key: str) -> str:
     if len(chunks) < 3 or chunks[0] != "ski" or not is_chunk(chunks[1]):
         raise BoardError(f"key '{key}' is not of the form ski/<robot>/<panel>/...")
     return chunks[1]
-
-
-def as_lane(text: str) -> Lane:
-    """Return a lane by its name; raise MessageError for any other word."""
-    if text not in LANES:
-        raise MessageError(f"'{text}' is no lane; there are {', '.join(LANES)}")
-    return text

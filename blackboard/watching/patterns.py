@@ -17,9 +17,3 @@ def expression_of(pattern: str) -> str:
         whole += "/**"
     check_expression(whole)
     return whole
-
-
-def on_board(key: str) -> str:
-    """Return a key without `ski/<robot>/`, whole where it is no key of a board."""
-    chunks = key.split("/", 2)
-    return chunks[2] if len(chunks) == 3 and chunks[0] == "ski" else key

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from blackboard.errors import BoardError, MissionError
 from blackboard.vocabulary import Vocabulary
-from blackboard.watching.patterns import expression_of, on_board
+from blackboard.watching.patterns import expression_of
 from blackboard.watching.table import Row, TableParams, Traffic
 from blackboard.watching.table_view import age_words, rate_words, sorted_rows, table_of
 
@@ -160,4 +160,3 @@ def test_patterns() -> None:
     for pattern in ("", "a//b", "a/**/**", "a b#"):
         with pytest.raises(BoardError):
             expression_of(pattern)
-    assert (on_board(SCAN), on_board("x/y/z")) == ("observations/signal/sonar_scan", "x/y/z")
