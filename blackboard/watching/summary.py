@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from blackboard.entry import Endorsement, Event, Support
+from blackboard.grid import EMPTY_MAX, OCCUPIED_MIN
 from blackboard.messages.geometry import PackedArray
 from blackboard.uncertainty.endorsements import standing
 
@@ -18,7 +19,6 @@ SHOWN_CHARACTERS = 160  # of a value; the rest is cut
 SHOWN_TEXT = 60  # of one text in it
 SHOWN_ITEMS = 4  # of a list; longer ones are summed up
 DEPTH = 3
-EMPTY_UP_TO, OCCUPIED_FROM = 64, 192  # of a grid's cells, as in the maps that a run leaves behind
 
 
 class SeenEntry(msgspec.Struct, kw_only=True):
@@ -147,7 +147,7 @@ def _array(packed: dict[str, Any]) -> str:
     if cells.size == 0:
         return form
     if array.dtype == "uint8":
-        empty, occupied = np.mean(cells <= EMPTY_UP_TO), np.mean(cells >= OCCUPIED_FROM)
+        empty, occupied = np.mean(cells <= EMPTY_MAX), np.mean(cells >= OCCUPIED_MIN)
         return f"{form} {100 * empty:.0f} % empty, {100 * occupied:.0f} % occupied"
     low, high = float(cells.min()), float(cells.max())
     return f"{form} {low:.4g} to {high:.4g}" if math.isfinite(low + high) else form
