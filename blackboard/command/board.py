@@ -1,7 +1,6 @@
 """`ski board serve`: keep the board for all processes of a mission. `ski board status`: ask the keeper how it stands."""
 
 import argparse
-import os
 import sys
 import time
 from pathlib import Path
@@ -9,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from blackboard.command.connection import add_connection_options, link_params
+from blackboard.command.connection import add_connection_options, default_address, default_keys, link_params
 from blackboard.command.ending import when_told_to_end
 from blackboard.errors import LinkError
 from blackboard.keeper.board_folder import DEFAULT
-from blackboard.link.address import DEFAULT_ADDRESS, parse_address
+from blackboard.link.address import parse_address
 from blackboard.link.configuration import listening_at
 from blackboard.link.session import LinkParams
 from blackboard.vocabulary import Vocabulary
@@ -37,14 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--listen",
         "--connect",
         dest="connect",
-        default=os.environ.get("SKI_CONNECT") or DEFAULT_ADDRESS,
+        default=default_address(),
         metavar="ADDRESS",
         help="where to listen (default: %(default)s)",
     )
     serve.add_argument(
         "--keys",
         type=Path,
-        default=Path(os.environ["SKI_KEYS"]) if os.environ.get("SKI_KEYS") else None,
+        default=default_keys(),
         metavar="DIR",
         help="folder with the keeper's certificates: needed to listen beyond this machine",
     )
